@@ -4,7 +4,7 @@ import os
 import socket
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -16,27 +16,11 @@ from rallygap.pipeline.runtime.extras import missing_extra, require
 from rallygap.pipeline.runtime.guard import disks_named
 from rallygap.pipeline.runtime.paths import clone
 
-if TYPE_CHECKING:
-    from rallygap.pipeline.gap.summary import Findings
-
-# Of MLflow's server: no telemetry, and none of the processes that run jobs, which nobody submits.
-LEAN = {
-    "MLFLOW_DISABLE_TELEMETRY": "true",
-    "DO_NOT_TRACK": "true",
-    "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false",
-}
-
 ANY_SIMULATOR = "a shipped one's name, a YAML file, scene.xml, or file.py:function"
 
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-)
+GAP, RUNS = "The gap", "Runs of the pipeline"  # headings of `rallygap --help`
 
-
-# Headings of `rallygap --help`.
-GAP, RUNS, MAINTENANCE = "The gap", "Runs of the pipeline", "Maintenance of this repository"
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 
 
 def main() -> None:
@@ -49,18 +33,13 @@ def main() -> None:
         with disks_named("output"):
             app()
     except InputError as error:
-        _drop_unwritable_output()
+        try:
+            sys.stdout.flush()
+        except OSError:  # dropped, what a full disk refuses: Python would write it when it ends
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         refuse(error)
     except ModuleNotFoundError as error:
         refuse(_not_installed(error))
-
-
-def _drop_unwritable_output() -> None:
-    """Drop buffered output that a full disk refuses: Python would write it again when it ends."""
-    try:
-        sys.stdout.flush()
-    except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _not_installed(error: ModuleNotFoundError) -> InputError:
@@ -114,14 +93,10 @@ def diagnose(
 
     findings = diagnose_folder(data, source, simulator, level, out, typer.echo, everything)
     typer.echo()
-    for line in findings_lines(findings, out):
+    limitations = [f"Limitation: {limitation}." for limitation in findings.verdict.limitations]
+    for line in (*findings.outcome, *findings.details, *limitations):
         typer.echo(line)
-
-
-def findings_lines(findings: "Findings", out: Path) -> list[str]:
-    """Return what the terminal shows of a verdict whose files are in a folder."""
-    limitations = [f"Limitation: {one}." for one in findings.verdict.limitations]
-    return [*findings.outcome, *findings.details, *limitations, f"Report: {out / 'report.html'}"]
+    typer.echo(f"Report: {out / 'report.html'}")
 
 
 @app.command(rich_help_panel=GAP)
@@ -155,14 +130,13 @@ def export(
     from rallygap.pipeline.engines.export.code import CODE
     from rallygap.pipeline.engines.export.command import export, export_scene
 
-    if scene is not None:
-        folder = out or Path("amended")
-        for line in export_scene(simulator, to, scene, folder):
+    if scene is None:
+        out = out or Path(CODE)
+        export(simulator, to, out)
+    else:
+        out = out or Path("amended")
+        for line in export_scene(simulator, to, scene, out):
             typer.echo(line)
-        typer.echo(f"Written: {folder}")
-        return
-    out = out or Path(CODE)
-    export(simulator, to, out)
     typer.echo(f"Written: {out}")
 
 
@@ -214,11 +188,15 @@ def ui(
 
     require("mlflow")
     root = clone()
-    _check_free(port)
+    try:  # MLflow would say so in many lines, and with status 0
+        socket.create_server(("127.0.0.1", port)).close()
+    except OSError as error:
+        problem = f"{port} cannot be had: {os.strerror(error.errno or 0)}; give another one"
+        raise InputError("--port", problem) from None
     address = f"http://127.0.0.1:{port}/#/experiments"
     typer.echo(f"Runs: {address}, experiment {EXPERIMENT} (Ctrl+C ends the server)")
     sys.stdout.flush()  # MLflow takes the place of this process
-    os.environ.update(LEAN)
+    os.environ["MLFLOW_SERVER_ENABLE_JOB_EXECUTION"] = "false"  # nobody submits jobs
     command = ["mlflow", "server", "--host", "127.0.0.1", "--port", str(port), "--workers", "1"]
     store = ["--backend-store-uri", store_uri(root)]
     # So what stops this process stops the server.
@@ -239,10 +217,10 @@ def sweep(
     ] = None,
 ) -> None:
     """Search hyperparameters with Optuna; more workers are more processes of this command."""
-    from rallygap.pipeline.sweeps.settings import load_sweep
-    from rallygap.pipeline.sweeps.worker import run_sweep
+    from rallygap.pipeline.sweeps.settings import Sweep
+    from rallygap.pipeline.sweeps.study import run_sweep
 
-    loaded = load_sweep(clone(), name)
+    loaded = Sweep(clone(), name)
     best = run_sweep(loaded, study, trials or loaded.settings.trials)
     typer.echo(f"Report: {loaded.report}")
     typer.echo(" ".join(["dvc exp run", *best]) if best else "No trial is better than params.yaml.")
@@ -254,9 +232,9 @@ def confirm(
 ) -> None:
     """Train with the best parameters of a sweep and params.yaml; compare on unseen shots."""
     from rallygap.pipeline.sweeps.confirm import confirmed_table, run_confirm
-    from rallygap.pipeline.sweeps.settings import load_sweep
+    from rallygap.pipeline.sweeps.settings import Sweep
 
-    loaded = load_sweep(clone(), name)
+    loaded = Sweep(clone(), name)
     table = run_confirm(loaded)
     if table is None:
         typer.echo("params.yaml has the best parameters of the sweep: there is nothing to confirm.")
@@ -308,12 +286,3 @@ def live(
         latencies = replay(ready, recordings, source, speed, forecasts, port)
     for line in [summary(latencies), *latencies.histogram()]:
         typer.echo(line)
-
-
-def _check_free(port: int) -> None:
-    """Refuse a port that cannot be had: MLflow would say so in many lines, and with status 0."""
-    try:
-        socket.create_server(("127.0.0.1", port)).close()
-    except OSError as error:
-        problem = f"{port} cannot be had: {os.strerror(error.errno or 0)}; give another one"
-        raise InputError("--port", problem) from None

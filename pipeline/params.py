@@ -320,35 +320,33 @@ def check_params(content: Any, path: Path) -> Params:
     try:
         return Params.model_validate_json(as_json(content, path), strict=True)
     except ValidationError as error:
-        problems = [_problem(path, details, content) for details in error.errors()]
+        problems = [
+            InputError(path, _explanation(details), field=_key(details, content))
+            for details in error.errors()
+        ]
         raise ParameterError(problems) from None
 
 
-def _problem(path: Path, details: Any, content: Any) -> InputError:
-    missing = details["type"] == "missing"
-    key = ".".join(_written(details["loc"], content, missing)) or None
-    return InputError(path, _explanation(details), field=key)
-
-
-def _written(location: Sequence[int | str], content: Any, missing: bool) -> Iterator[str]:
-    """Yield the keys that lead to a place in ``content``.
+def _key(details: Any, content: Any) -> str | None:
+    """Return the dotted key of what is wrong in ``content``.
 
     Pydantic's locations also name the kind that tells settings apart, which is no key.
     """
-    for number, part in enumerate(location, start=1):
+    keys = []
+    for number, part in enumerate(details["loc"], start=1):
         try:
             content = content[part]
         except (LookupError, TypeError):
-            if not (missing and number == len(location)):
+            if details["type"] != "missing" or number < len(details["loc"]):
                 continue
-        yield str(part)
+        keys.append(str(part))
+    return ".".join(keys) or None
 
 
 def _explanation(details: Any) -> str:
     location = details["loc"]
     if details["type"] == "extra_forbidden":
-        known = sorted(_known_keys(location[:-1]))
-        return f"is an unknown key; {suggestion(location[-1], known)}"
+        return f"is an unknown key; {suggestion(location[-1], sorted(_known_keys(location[:-1])))}"
     if details["type"] == "missing":
         return "is missing"
     message = details["msg"][0].lower() + details["msg"][1:]
@@ -359,18 +357,14 @@ def _explanation(details: Any) -> str:
 def _known_keys(location: Sequence[int | str]) -> set[str]:
     """The keys allowed at a place in the parameters; names of users' own choice are skipped."""
     models: list[type[BaseModel]] = [Params]
+    of_kind = []
     for part in location:
         fields = [model.model_fields[part] for model in models if part in model.model_fields]
         if fields:
             models = [model for field in fields for model in _models_in(field.annotation)]
-    of_kind = [model for model in models if location[-1:] and _has_kind(model, location[-1])]
-    models = of_kind or models
-    return {name for model in models for name in model.model_fields}
-
-
-def _has_kind(model: type[BaseModel], kind: int | str) -> bool:
-    field = model.model_fields.get("kind")
-    return field is not None and kind in get_args(field.annotation)
+        kinds = ((model, model.model_fields.get("kind")) for model in models)
+        of_kind = [model for model, kind in kinds if kind and part in get_args(kind.annotation)]
+    return {name for model in of_kind or models for name in model.model_fields}
 
 
 def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:

@@ -56,6 +56,8 @@ def profile(root: Path, name: str) -> None:
 def _copied(root: Path, folder: Path) -> Path:
     """Copy what git knows of a repository, outside git but with the same DVC cache."""
     listed = git(root, "ls-files", "-z", "--cached", "--others", "--exclude-standard")
+    if listed is None:
+        raise InputError(root, "is no repository of git")
     for name in listed.split("\0"):
         source = root / name
         if name and not name.startswith("dvc.lock") and (source.is_symlink() or source.is_file()):

@@ -8,8 +8,7 @@ import pandas as pd
 from rallygap.models.policy.trial import TrialResult
 from rallygap.pipeline.io.artifacts import replacing, write_table
 from rallygap.pipeline.io.metrics import rounded
-from rallygap.pipeline.policies.descriptions import described_policies
-from rallygap.pipeline.policies.storage import save_policy
+from rallygap.pipeline.policies.storage import described_policies, save_policy
 from rallygap.pipeline.policies.training import (
     RETURN,
     TEST_TRIALS,

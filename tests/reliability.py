@@ -27,11 +27,7 @@ class Tables:
         self.rows[name].extend(rows)
 
     def write(self, folder: Path) -> None:
-        """Replace the tables of an earlier run.
-
-        Raises:
-            UsageError: a table has no row, because only some tests were chosen.
-        """
+        """Replace the tables of an earlier run."""
         if missing := [name for name in NAMES if name not in self.rows]:
             raise pytest.UsageError(f"--tables needs the whole suite; no row of {missing}")
         for name in NAMES:

@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 USER, PASSWORD = "rallygap", "open-sesame"  # the password of a server that lives for some tests
-PATIENCE = 60  # s, for a server to answer
+PATIENCE = 600  # s, for a server to answer on a busy machine
 
 
 def program(name):
@@ -59,6 +59,16 @@ def await_answer(url):
 
 
 @pytest.fixture(scope="session")
+def empty_store(tmp_path_factory):
+    """A store of runs that MLflow made, to be copied: that takes seconds."""
+    from mlflow import MlflowClient
+
+    path = tmp_path_factory.mktemp("store") / "mlflow.db"
+    MlflowClient(f"sqlite:///{path}").search_experiments()
+    return path
+
+
+@pytest.fixture(scope="session")
 def postgres_server():
     """The URL of a PostgreSQL server on loopback that asks for a password; without a database."""
     initdb, pg_ctl = program("initdb"), program("pg_ctl")
@@ -73,14 +83,8 @@ def postgres_server():
     users = ["--auth=scram-sha-256", f"--username={USER}", f"--pwfile={secret}"]
     as_server(initdb, f"--pgdata={cluster}", "--no-sync", *users)
     where = f"-h 127.0.0.1 -p {port} -c unix_socket_directories='' -c fsync=off"
-    start = [
-        f"--pgdata={cluster}",
-        f"--log={home / 'log'}",
-        f"--options={where}",
-        "--wait",
-        "start",
-    ]
-    as_server(pg_ctl, *start)
+    options = [f"--log={home / 'log'}", f"--options={where}", "--wait"]
+    as_server(pg_ctl, f"--pgdata={cluster}", *options, "start")
     yield f"postgresql://{USER}:{PASSWORD}@127.0.0.1:{port}"
     as_server(pg_ctl, f"--pgdata={cluster}", "--mode=immediate", "stop")
     shutil.rmtree(home)

@@ -13,7 +13,7 @@ from experiments.benchmarks.comparison import COSTS, ROOT
 from rallygap.pipeline.io.artifacts import write_csv
 from rallygap.pipeline.params import Params, load_params
 from rallygap.pipeline.sweeps.predictor import compare_predictors
-from rallygap.pipeline.sweeps.settings import PredictorSweep, load_sweep
+from rallygap.pipeline.sweeps.settings import PredictorSweep, Sweep
 
 MEASURED = COSTS / "precision.csv"
 EPOCHS = 8
@@ -34,11 +34,11 @@ def compared() -> list[Params]:
 
 def main() -> None:
     """Measure, write, print."""
-    sweep = load_sweep(ROOT, "predictor").settings
+    sweep = Sweep(ROOT, "predictor").settings
     assert isinstance(sweep, PredictorSweep)
     both = compared()
     with tempfile.TemporaryDirectory() as folder:
-        table = compare_predictors(ROOT, sweep, both, Path(folder)).table(both[0].seed)
+        table = compare_predictors(ROOT, sweep, both, Path(folder))
     table = table.rename(columns={"params": PRECISIONS[0], "found": PRECISIONS[1]})
     write_csv(MEASURED, table.drop(columns="holds"), digits=4)
     Console().print(MEASURED.read_text())

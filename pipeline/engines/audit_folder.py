@@ -18,7 +18,7 @@ from rallygap.pipeline.engines.load import load_engine, names_scene
 from rallygap.pipeline.io.artifacts import replacing_files, write_json, write_text
 from rallygap.pipeline.io.simulators import simulator_yaml
 from rallygap.pipeline.runtime.paths import check_folder
-from rallygap.pipeline.runtime.progress import phase_bar
+from rallygap.pipeline.runtime.progress import PhaseBar
 from rallygap.pipeline.web.environment import page_environment
 from rallygap.pipeline.web.figure_style import apply_style
 from rallygap.pipeline.web.items import page_table, shown_figure
@@ -103,7 +103,7 @@ def audit_folder(name: str, out: Path, against: str | None = None) -> list[str]:
     """
     check_folder(out)
     engine, other = load_engine(name), load_engine(against) if against else None
-    with phase_bar(PHASES) as bar:
+    with PhaseBar(PHASES) as bar:
         with bar.phase("flying probes"):
             audit = cached_audit(engine, bar.reached)
         with bar.phase("comparing"):

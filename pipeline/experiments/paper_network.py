@@ -22,7 +22,7 @@ from rallygap.pipeline.io.artifacts import read_json, replacing, write_json
 from rallygap.pipeline.predictors.parallel_training import TrainingJob
 from rallygap.pipeline.predictors.trainer import StepReporter, train
 from rallygap.pipeline.predictors.training_data import untrained_network
-from rallygap.pipeline.runtime.progress import progress_bars
+from rallygap.pipeline.runtime.progress import WatchedBars
 
 WEIGHTS, RECORD = "weights.safetensors", "training.json"
 AT_ONCE = 64  # batches that are gathered and normalised together
@@ -113,7 +113,7 @@ def write_trained(name: str, settings: NetworkSettings, data: WindowData, folder
     if gpu:
         training.use_graphs()
     job, done = TrainingJob(name, network, prepared, folder / "checkpoints"), [0]
-    with progress_bars({name: job.steps}, lambda: done):
+    with WatchedBars({name: job.steps}, lambda: done):
         reporter = StepReporter(lambda steps: done.__setitem__(0, steps))
         train(training, prepared, job.folder, [reporter])
     with replacing(folder / WEIGHTS) as temporary:

@@ -14,7 +14,7 @@ from rallygap.models.replay.replayed_balls import with_label_error
 from rallygap.pipeline.evaluation.predictors import ARENA
 from rallygap.pipeline.io.amended_simulators import amended_by
 from rallygap.pipeline.params import Params
-from rallygap.pipeline.policies.descriptions import described_policies
+from rallygap.pipeline.policies.storage import described_policies
 from rallygap.pipeline.policies.training import TrainingJob, TrainingResult, train_policies
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.transfer.rates import differences, rates

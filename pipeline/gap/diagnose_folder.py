@@ -25,7 +25,7 @@ from rallygap.pipeline.gap.wording import episodes_text
 from rallygap.pipeline.io.artifacts import replacing_files, write_text
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.paths import check_folder
-from rallygap.pipeline.runtime.progress import phase_bar
+from rallygap.pipeline.runtime.progress import PhaseBar
 from rallygap.pipeline.web.figure_style import apply_style
 from rallygap.pipeline.web.report_items import ReportFigure
 
@@ -73,7 +73,7 @@ def diagnose_folder(
         check_place(simulator, out)
     nominal = effects_of(simulator, say)
     settings = GapSettings(level=level)
-    with phase_bar(SCENE_PHASES if is_scene else PHASES) as bar:
+    with PhaseBar(SCENE_PHASES if is_scene else PHASES) as bar:
 
         def say_aside(lines: Iterable[str]) -> None:
             with bar.aside():

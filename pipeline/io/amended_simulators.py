@@ -12,13 +12,7 @@ FIRST = 0  # the split whose amended simulators serve others
 
 
 class Amended(NamedTuple):
-    """A simulator that was amended.
-
-    Attributes:
-        source: of the recordings that it was amended for.
-        base: name in ``close_gap.simulators`` of the simulator before.
-        simulator: the amended one.
-    """
+    """A simulator, the source it was amended for, and what it was in ``close_gap.simulators``."""
 
     source: str
     base: str

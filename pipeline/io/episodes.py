@@ -102,41 +102,30 @@ def episodes_of(
     Raises:
         InputError: samples are broken or lack an episode.
     """
-    label_ends = _label_ends(contacts, episodes, labelled_once)
     # The toss of a serve: no stroke begins it, and the serve ends it.
     unstruck = episodes["starts_with"].isin(["recording", "gap"])
     tossed = unstruck & (episodes["ends_with"] == "racket") & (episodes["bounces"] == 0)
     chosen = episodes[episodes["split"].isin(splits) & ~tossed]
+    label_ends = _label_ends(contacts, episodes, labelled_once)
     kind = contacts["kind"]
     bounces, touched, nets = (
-        _times(contacts[of_kind]) for of_kind in (kind == "table", kind != "table", kind == "net")
+        {name: times.to_numpy() for name, times in contacts[of_kind].groupby("episode_id")["t"]}
+        for of_kind in (kind == "table", kind != "table", kind == "net")
     )
-    parts = dict(_episodes(samples, chosen, bounces, label_ends, path))
+    parts = dict(_episodes(samples, chosen, label_ends, path))
     measured = []
     for name, recording_id, source, split, unbroken in chosen[ORIGIN].itertuples(index=False):
         if name not in parts:
             problem = f"has no samples of episode {name}; run `dvc repro -f segment`"
             raise InputError(path or "samples", problem)
-        touches, met_nets = (
-            _inside(times.get(name, NO_TIMES), parts[name]) for times in (touched, nets)
-        )
+        episode = replace(parts[name], bounces=bounces.get(name, NO_TIMES))
+        start, end = episode.times[[0, -1]]
+        inside = (times.get(name, NO_TIMES) for times in (touched, nets))
+        touches, met = (times[(times > start) & (times < end)] for times in inside)
         measured.append(
-            MeasuredEpisode(
-                name, recording_id, source, split, unbroken, parts[name], touches, met_nets
-            )
+            MeasuredEpisode(name, recording_id, source, split, unbroken, episode, touches, met)
         )
     return measured
-
-
-def _times(contacts: pd.DataFrame) -> dict[str, Floats]:
-    """Return the times of contacts by episode, s."""
-    by_episode = contacts.groupby("episode_id")["t"]
-    return {str(name): times.to_numpy() for name, times in by_episode}
-
-
-def _inside(times: Floats, episode: Episode) -> Floats:
-    """Return which of an episode's contacts are between its first sample and its last."""
-    return times[(times > episode.times[0]) & (times < episode.times[-1])]
 
 
 def _label_ends(
@@ -153,7 +142,6 @@ def _label_ends(
 def _episodes(
     samples: Iterable[pd.DataFrame],
     chosen: pd.DataFrame,
-    bounces: dict[str, Floats],
     label_ends: dict[str, float],
     path: Path | None,
 ) -> Iterator[tuple[str, Episode]]:
@@ -166,9 +154,7 @@ def _episodes(
             episode_id = str(name)
             own = _rows(whole, np.asarray(rows))
             labelled = own.times < label_ends.get(recordings[episode_id], np.inf)
-            spins = np.where(labelled[:, None], own.spins, np.nan)
-            times = bounces.get(episode_id, NO_TIMES)
-            yield episode_id, replace(own, spins=spins, bounces=times)
+            yield episode_id, replace(own, spins=np.where(labelled[:, None], own.spins, np.nan))
 
 
 def as_episode(samples: pd.DataFrame) -> Episode:

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 
 
-def rounded(value: float) -> float:
+def rounded(value: float, digits: int = 6) -> float:
     """Return six digits: more would only show the processor's last bits."""
-    return float(f"{value:.6g}")
+    return float(f"{value:.{digits}g}")
 
 
 def place(metrics: dict[str, Any], keys: Iterable[Hashable]) -> dict[str, Any]:

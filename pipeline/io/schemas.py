@@ -202,12 +202,7 @@ def check_columns(path: Path, contract: pa.DataFrameSchema) -> None:
 def checked(
     table: pd.DataFrame, contract: pa.DataFrameSchema, path: Path | None = None
 ) -> pd.DataFrame:
-    """Return ``table`` if it keeps ``contract``.
-
-    Args:
-        table: made or read.
-        contract: that it must keep.
-        path: of the file it was read from, if any.
+    """Return a table if it keeps ``contract``; ``path`` is of its file, if it was read from one.
 
     Raises:
         InputError: naming the file or table, the first row and column at fault and what is wrong.

@@ -1,5 +1,6 @@
-"""Trained policies as files: weights (safetensors) and a description (JSON)."""
+"""The policies that parameters ask for, and trained ones as files: weights, description."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from rallygap.models.ball.simulator import Simulator
 from rallygap.models.policy.batch_simulation import ACTIONS
 from rallygap.models.policy.observation import observation_size
 from rallygap.models.policy.policy import Policy
+from rallygap.models.policy.random_streams import training_seed
 from rallygap.models.policy.settings import (
     DEFAULT_REWARD,
     ForecastKind,
@@ -23,6 +25,8 @@ from rallygap.models.policy.settings import (
 )
 from rallygap.models.policy.task import Task
 from rallygap.pipeline.io.artifacts import read_as, replacing_folder, write_json
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import TrainPolicySettings
 from rallygap.pipeline.runtime.errors import InputError
 
 WEIGHTS, DESCRIPTION = "weights.safetensors", "policy.json"
@@ -94,6 +98,40 @@ class TrainedPolicy(BaseModel):
         )
 
 
+def described_policies(settings: TrainPolicySettings, seed: int) -> Iterator[TrainedPolicy]:
+    """Yield the policies to train; a repeat has the same seed in all simulators and horizons."""
+    for name, group in settings.groups.items():
+        for simulator in group.simulators:
+            for horizons in group.horizons_ms:
+                for repeat in range(group.repeats):
+                    own = training_seed(seed, repeat)
+                    yield described_policy(settings, name, simulator, horizons, own, repeat)
+
+
+def described_policy(
+    settings: TrainPolicySettings,
+    group: str,
+    simulator: str,
+    horizons: HorizonsMs,
+    seed: int,
+    repeat: int,
+) -> TrainedPolicy:
+    """Describe a policy of a group to train; arguments as in ``TrainedPolicy``."""
+    shared = settings.groups[group]
+    return TrainedPolicy(
+        group=group,
+        simulator=simulator,
+        effects=load_simulator(simulator).to_dict(),
+        horizons=horizons,
+        observation=shared.observation,
+        goals=shared.goals,
+        learning=shared.learning,
+        seed=seed,
+        repeat=repeat,
+        reward=settings.reward,
+    )
+
+
 def save_policy(folder: Path, policy: Policy, description: TrainedPolicy) -> None:
     """Write a trained policy; the same weights give the same bytes."""
     with replacing_folder(folder) as temporary:
@@ -109,29 +147,23 @@ def load_policy(folder: Path) -> tuple[Policy, TrainedPolicy]:
         InputError: a file is missing or broken.
     """
     description = read_as(folder / DESCRIPTION, TrainedPolicy, "train_policy")
+    path = folder / WEIGHTS
     try:
-        policy = Policy.from_arrays(load((folder / WEIGHTS).read_bytes()))
+        policy = Policy.from_arrays(load(path.read_bytes()))
     except FileNotFoundError:
         problem = "there is no such file; run the stage train_policy"
-        raise InputError(folder / WEIGHTS, problem) from None
+        raise InputError(path, problem) from None
     except (OSError, SafetensorError, ValueError, KeyError, TypeError) as error:
-        raise InputError(folder / WEIGHTS, f"is not a file of weights: {error}") from None
-    _check_fit(policy, description, folder / WEIGHTS)
-    return policy, description
-
-
-def _check_fit(policy: Policy, description: TrainedPolicy, path: Path) -> None:
-    """Raise unless the weights are finite and fit the sizes of observation and action."""
-    inputs = observation_size(
-        len(description.horizons), description.goals.count, description.observation
-    )
+        raise InputError(path, f"is not a file of weights: {error}") from None
+    goals, horizons = description.goals.count, len(description.horizons)
+    inputs = observation_size(horizons, goals, description.observation)
     ends = policy.layers[0][0].shape[-1:], policy.layers[-1][1].shape
     if ends != ((inputs,), (ACTIONS,)):
-        raise InputError(
-            path, f"does not fit {DESCRIPTION}: give {inputs} inputs, {ACTIONS} outputs"
-        )
+        problem = f"does not fit {DESCRIPTION}: give {inputs} inputs, {ACTIONS} outputs"
+        raise InputError(path, problem)
     if not all(np.isfinite(part).all() for layer in policy.layers for part in layer):
         raise InputError(path, "has values that are not finite; train the policy again")
+    return policy, description
 
 
 def load_policies(folder: Path, group: str) -> list[tuple[Policy, TrainedPolicy]]:

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -111,18 +110,16 @@ def learn(job: TrainingJob, iteration: int, live: LiveRun | None = None) -> None
     """Train a policy for one iteration; its folder appears whole or not at all.
 
     A worker of a killed run may still be at this iteration: wait for it, and keep its result.
-
-    Args:
-        job: the policy and its folder.
-        iteration: its number, from 0 on.
-        live: the MLflow run that gets metrics while the policy learns, if any.
+    The MLflow run ``live`` gets metrics while the policy learns.
     """
     with FileLock(job.folder / "lock"):
         if job.iterations_done == iteration:
             before = job.iteration(iteration - 1) if iteration else None
             _train(job, iteration, before, live)
-            if before is not None:
-                _delete_learner(before)
+            if before is not None:  # but its record: learners are large
+                for path in before.iterdir():
+                    if path.name != RECORD:
+                        path.unlink()
 
 
 def _train(
@@ -142,21 +139,12 @@ def _train(
         policy = learn_iteration(task, learning, seed, iteration, before, folder, writers)
         seconds = time.process_time() - started
         (folder / WEIGHTS).write_bytes(save(policy.to_arrays()))
-        record = _validate(policy, description, iteration)
-        write_json(folder / RECORD, {"seconds": seconds, **record})
+        played = _play(policy, description, VALIDATION_SHOTS, validation_stream(seed)).table
+        steps = (iteration + 1) * learning.steps_per_iteration
+        rates = {"hit_rate": played["hit"].mean(), "return_rate": played["returned"].mean()}
+        write_json(folder / RECORD, {"seconds": seconds, "control_steps": steps, **rates})
     if live is not None:
-        steps = record.pop("control_steps")
-        live.log(record, steps)
-
-
-def _validate(policy: Policy, description: TrainedPolicy, iteration: int) -> dict[str, Any]:
-    stream = validation_stream(description.seed)
-    played = _play(policy, description, VALIDATION_SHOTS, stream).table
-    return {
-        "control_steps": (iteration + 1) * description.learning.steps_per_iteration,
-        "hit_rate": played["hit"].mean(),
-        "return_rate": played["returned"].mean(),
-    }
+        live.log(rates, steps)
 
 
 def _test(one: TrainingResult, shots: int, record: int) -> TrialResult:
@@ -176,13 +164,6 @@ def _play(
     task = description.task
     balls, goals = task.draw(shots, stream)
     return play(policy, task.simulator, balls, goals, task.observation, record)
-
-
-def _delete_learner(folder: Path) -> None:
-    """Delete all of an iteration but its record: learners are large."""
-    for path in folder.iterdir():
-        if path.name != RECORD:
-            path.unlink()
 
 
 def _result(job: TrainingJob) -> TrainingResult:
@@ -210,13 +191,7 @@ def policies_table(results: Sequence[TrainingResult], tests: Sequence[TrialResul
 def trained_models(
     results: Sequence[TrainingResult], tests: Sequence[TrialResult], folder: Path
 ) -> list[TrainedModel]:
-    """Describe trained policies for MLflow, which compares their return rates on the same shots.
-
-    Args:
-        results: the policies.
-        tests: their test shots, as ``play_test_shots`` returns them.
-        folder: the stage's, with a folder for each policy.
-    """
+    """Describe trained policies for MLflow, which compares their return rates on the same shots."""
     models = []
     for result, test in zip(results, tests, strict=True):
         description = result.description

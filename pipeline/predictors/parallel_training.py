@@ -18,7 +18,7 @@ from rallygap.models.predictors.spread import Spread
 from rallygap.models.predictors.spread_training import fit_spread
 from rallygap.models.predictors.training import ForecastTraining, WindowData
 from rallygap.pipeline.predictors.trainer import StepReporter, train
-from rallygap.pipeline.runtime.progress import progress_bars
+from rallygap.pipeline.runtime.progress import WatchedBars
 from rallygap.pipeline.tracking.live import LiveRun, live_run
 
 Counts = NDArray[np.int64]
@@ -58,12 +58,18 @@ def train_networks(jobs: Sequence[TrainingJob]) -> list[TrainingResult]:
     A result depends on the network's data and seed alone, not on the number of cores, the other
     networks, or interruptions. The MLflow run that is open gets losses and learning rates.
     """
+    settings = [job.data.settings for job in jobs]
+    if any(of_job.devices > 1 for of_job in settings):
+        workers = 1  # each device has its own process
+    else:
+        at_once = int(cpu_count()) // max(of_job.threads for of_job in settings)
+        workers = max(1, min(at_once, len(jobs)))
     live = [live_run(job.name) for job in jobs]  # here, because runs are open in one thread alone
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "steps"
         done: Counts = np.memmap(path, dtype=np.int64, mode="w+", shape=(len(jobs),))
-        with progress_bars({job.name: job.steps for job in jobs}, done.tolist):
-            results: list[TrainingResult] = Parallel(_workers(jobs))(
+        with WatchedBars({job.name: job.steps for job in jobs}, done.tolist):
+            results: list[TrainingResult] = Parallel(workers)(
                 delayed(_train_job)(job, StepCount(path, number, os.getpid()), live[number])
                 for number, job in enumerate(jobs)
             )
@@ -72,13 +78,7 @@ def train_networks(jobs: Sequence[TrainingJob]) -> list[TrainingResult]:
 
 @dataclass(frozen=True)
 class StepCount:
-    """Publishes the number of steps that a training has done, for the progress bars.
-
-    Attributes:
-        path: of the shared counts of all jobs.
-        number: index of this job.
-        master: process id of the parent.
-    """
+    """Publishes the steps that the ``number``th job has done, in a file shared with the parent."""
 
     path: Path
     number: int
@@ -93,14 +93,6 @@ class StepCount:
     @cached_property
     def _done(self) -> Counts:
         return np.memmap(self.path, dtype=np.int64, mode="r+")
-
-
-def _workers(jobs: Sequence[TrainingJob]) -> int:
-    settings = [job.data.settings for job in jobs]
-    if any(of_job.devices > 1 for of_job in settings):
-        return 1  # each device has its own process
-    threads = max(of_job.threads for of_job in settings)
-    return max(1, min(int(cpu_count()) // threads, len(jobs)))
 
 
 def _train_job(job: TrainingJob, steps_done: StepCount, live: LiveRun | None) -> TrainingResult:

@@ -124,7 +124,12 @@ def _weights(module: nn.Module) -> bytes:
 
 def _checked_weights(path: Path, planned: nn.Module) -> dict[str, Tensor]:
     """Read the weights of a module that has been planned."""
-    weights = _read_weights(path)
+    try:
+        weights = load(path.read_bytes())
+    except FileNotFoundError:
+        raise InputError(path, "there is no such file; run the stage train_predictor") from None
+    except (OSError, SafetensorError, ValueError, KeyError) as error:
+        raise InputError(path, f"is not a file of weights: {error}") from None
     expected = {name: value.shape for name, value in planned.state_dict().items()}
     actual = {name: value.shape for name, value in weights.items()}
     if actual != expected:
@@ -133,12 +138,3 @@ def _checked_weights(path: Path, planned: nn.Module) -> dict[str, Tensor]:
     if not all(value.isfinite().all() for value in weights.values()):
         raise InputError(path, "has values that are not finite; train it again")
     return weights
-
-
-def _read_weights(path: Path) -> dict[str, Tensor]:
-    try:
-        return load(path.read_bytes())
-    except FileNotFoundError:
-        raise InputError(path, "there is no such file; run the stage train_predictor") from None
-    except (OSError, SafetensorError, ValueError, KeyError) as error:
-        raise InputError(path, f"is not a file of weights: {error}") from None

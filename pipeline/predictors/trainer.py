@@ -53,7 +53,7 @@ def train(
     torch.set_num_threads(training.settings.threads)
     last = checkpoints / "last.ckpt"
     resumed = last if last.exists() else None
-    with _quiet(), _flushed_denormals(), tempfile.TemporaryDirectory() as rendezvous:
+    with _quiet(), tempfile.TemporaryDirectory() as rendezvous:
         try:
             trainer = _trainer(training.settings, checkpoints, callbacks, Path(rendezvous), live)
         except MisconfigurationException as error:
@@ -75,7 +75,13 @@ def _trainer(
     rendezvous: Path,
     live: LiveRun | None,
 ) -> lightning.Trainer:
-    own: list[Callback] = [_checkpoint_every_epoch(checkpoints)]
+    every_epoch = ModelCheckpoint(
+        dirpath=checkpoints,
+        filename="last",
+        enable_version_counter=False,
+        save_on_train_epoch_end=True,
+    )
+    own: list[Callback] = [every_epoch]
     logger: Any = False
     if live is not None:
         from rallygap.pipeline.tracking.lightning_logger import SharedRunLogger  # takes seconds
@@ -138,7 +144,11 @@ class LoopbackDDP(DDPStrategy):
         _silence()
         torch.set_num_threads(self.threads)
         torch.set_flush_denormal(True)
-        os.environ["GLOO_SOCKET_IFNAME"] = os.environ["NCCL_SOCKET_IFNAME"] = _loopback()
+        os.environ["GLOO_SOCKET_IFNAME"] = os.environ["NCCL_SOCKET_IFNAME"] = next(
+            name
+            for name, addresses in psutil.net_if_addrs().items()
+            if any(address.address == "127.0.0.1" for address in addresses)
+        )
         self.set_world_ranks()
         torch.distributed.init_process_group(
             self._get_process_group_backend(),
@@ -149,50 +159,25 @@ class LoopbackDDP(DDPStrategy):
         super().setup_distributed()
 
 
-def _loopback() -> str:
-    """Return the name of the loopback interface."""
-    names = (
-        name
-        for name, addresses in psutil.net_if_addrs().items()
-        if any(one.address == "127.0.0.1" for one in addresses)
-    )
-    return next(names)
-
-
 @contextmanager
-def _flushed_denormals() -> Iterator[None]:
-    """Take denormal numbers for zero within this block.
+def _quiet() -> Iterator[None]:
+    """Suppress Lightning's messages within this block, and take denormal numbers for zero.
 
     The gradients of units that no longer respond become denormal, and Intel's processors then take
     25 to 170 times longer for Muon's step, for changes that no weight can show.
     """
-    torch.set_flush_denormal(True)
-    try:
-        yield
-    finally:
-        torch.set_flush_denormal(False)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Suppress Lightning's messages."""
     with warnings.catch_warnings():
         _silence()
-        yield
+        torch.set_flush_denormal(True)
+        try:
+            yield
+        finally:
+            torch.set_flush_denormal(False)
 
 
 def _silence() -> None:
     logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
     warnings.filterwarnings("ignore", module=r"lightning\.")
-
-
-def _checkpoint_every_epoch(folder: Path) -> ModelCheckpoint:
-    return ModelCheckpoint(
-        dirpath=folder,
-        filename="last",
-        enable_version_counter=False,
-        save_on_train_epoch_end=True,
-    )
 
 
 class StepReporter(Callback):

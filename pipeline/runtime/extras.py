@@ -1,13 +1,12 @@
 """The optional parts of the installation, and which of them a missing package belongs to."""
 
 import re
-from collections.abc import Iterator
 from importlib.metadata import requires
 from importlib.util import find_spec
 
 PROJECT = "rallygap"
 # Distributions whose package has another name.
-PACKAGES = {"scikit-learn": "sklearn", "psycopg": "psycopg", "pyzmq": "zmq"}
+PACKAGES = {"scikit-learn": "sklearn", "pyzmq": "zmq"}
 
 
 def missing_extra(package: str) -> str | None:
@@ -16,16 +15,14 @@ def missing_extra(package: str) -> str | None:
     Args:
         package: top-level name that could not be imported, such as ``torch``.
     """
-    return next((extra for extra, name in _packages_of_extras() if name == package), None)
-
-
-def _packages_of_extras() -> Iterator[tuple[str, str]]:
     for requirement in requires(PROJECT) or []:
         extra = re.search(r"extra == ['\"]([\w-]+)['\"]", requirement)
         distribution = re.match(r"[\w.-]+", requirement)
         if extra and distribution:
             name = distribution[0].lower()
-            yield extra[1], PACKAGES.get(name, name.replace("-", "_"))
+            if package == PACKAGES.get(name, name.replace("-", "_")):
+                return extra[1]
+    return None
 
 
 def require(package: str) -> None:

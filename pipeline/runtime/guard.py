@@ -23,39 +23,26 @@ ADVICE = {
 
 @contextmanager
 def guarded(stage: str) -> Iterator[None]:
-    """Run a stage in the working directory within this block."""
-    with disks_named(stage), _alone(stage), _stoppable():
-        yield
+    """Run a stage in the working directory within this block.
 
-
-@contextmanager
-def _alone(stage: str) -> Iterator[None]:
-    """Wait for another run of the stage, such as one whose DVC process was killed.
-
-    That one would remove outputs and checkpoints of this one when it ends.
+    Another run of it is waited for, such as one whose DVC process was killed: it would remove
+    outputs and checkpoints of this one when it ends. SIGTERM unwinds the block, so that no partial
+    output and no worker remains.
     """
-    path = Path("scratch") / f"{stage}.lock"
-    path.parent.mkdir(exist_ok=True)
-    lock = FileLock(path)
-    try:
-        lock.acquire(timeout=0)
-    except Timeout:
-        warn(f"another run of {stage} is at work here; this one waits until it has ended")
-        lock.acquire()
-    try:
-        yield
-    finally:
-        lock.release()
-
-
-@contextmanager
-def _stoppable() -> Iterator[None]:
-    """Let SIGTERM unwind the block, so that no partial output and no worker remains."""
-    before: Any = signal.signal(signal.SIGTERM, _stop)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
+    lock = FileLock(Path("scratch") / f"{stage}.lock")
+    with disks_named(stage):
+        Path("scratch").mkdir(exist_ok=True)
+        try:
+            lock.acquire(timeout=0)
+        except Timeout:
+            warn(f"another run of {stage} is at work here; this one waits until it has ended")
+            lock.acquire()
+        before: Any = signal.signal(signal.SIGTERM, _stop)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGTERM, before)
+            lock.release()
 
 
 def _stop(number: int, _: FrameType | None) -> NoReturn:

@@ -67,9 +67,18 @@ def _on_cores(tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:
 
 
 def _on_cluster(address: str, tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:
-    with _connected(address) as client:
+    try:
+        from distributed import Client
         from distributed.comm.core import CommClosedError
-
+    except ImportError:
+        problem = "needs dask.distributed; install rallygap with the extra `cluster`"
+        raise InputError(CLUSTER, problem) from None
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError) as error:
+        problem = f"no scheduler answers at {address}: {' '.join(str(error).split())}"
+        raise InputError(CLUSTER, problem) from None
+    with client:
         _check_workers(client)
         # Not pure: equal tasks of two runs are two tasks.
         waiting = deque(client.map(_on_one_thread, tasks, pure=False))
@@ -86,19 +95,6 @@ def _on_one_thread(task: Callable[[], Result]) -> Result:
     """Do a task with one thread, since sums of more differ in their last bits."""
     with threadpool_limits(1):
         return task()
-
-
-def _connected(address: str) -> "Client":
-    try:
-        from distributed import Client
-    except ImportError:
-        problem = "needs dask.distributed; install rallygap with the extra `cluster`"
-        raise InputError(CLUSTER, problem) from None
-    try:
-        return Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
-    except (OSError, ValueError) as error:
-        problem = f"no scheduler answers at {address}: {' '.join(str(error).split())}"
-        raise InputError(CLUSTER, problem) from None
 
 
 def _check_workers(client: "Client") -> None:

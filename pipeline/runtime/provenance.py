@@ -4,7 +4,6 @@ import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.runtime.errors import InputError
@@ -27,7 +26,9 @@ def provenance(root: Path, stage: str) -> Provenance:
     Raises:
         InputError: a dependency is missing or cannot be read.
     """
-    entry = stage_entries(root)[stage]
+    pipelines = (root / "dvc.yaml", root / "experiments" / "dvc.yaml")
+    stages = [read_yaml(path)["stages"] for path in pipelines if path.is_file()]
+    entry = next(entries[stage] for entries in stages if stage in entries)
     values = read_yaml(root / "params.yaml")
     inputs = {
         "command": entry["cmd"],
@@ -36,17 +37,6 @@ def provenance(root: Path, stage: str) -> Provenance:
     }
     digest = hashlib.sha256(json.dumps(inputs, sort_keys=True).encode())
     return Provenance(entry["cmd"], digest.hexdigest())
-
-
-def stage_entries(root: Path) -> dict[str, Any]:
-    """Return the stages of the pipeline and of the experiments, by name."""
-    pipelines = (root / "dvc.yaml", root / "experiments" / "dvc.yaml")
-    return {
-        name: entry
-        for path in pipelines
-        if path.is_file()
-        for name, entry in read_yaml(path)["stages"].items()
-    }
 
 
 def short(fingerprint: str) -> str:

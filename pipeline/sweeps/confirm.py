@@ -24,7 +24,7 @@ def run_confirm(sweep: Sweep) -> pd.DataFrame | None:
     A killed run resumes. params.yaml does not change.
 
     Returns:
-        The table of ``Comparison``, also written to ``reports/sweeps/NAME``; none, and nothing is
+        The table of ``comparison``, also written to ``reports/sweeps/NAME``; none, and nothing is
         trained, if params.yaml has the best parameters.
 
     Raises:
@@ -38,14 +38,23 @@ def run_confirm(sweep: Sweep) -> pd.DataFrame | None:
     if isinstance(sweep.settings, PredictorSweep):
         from rallygap.pipeline.sweeps.predictor import compare_predictors
 
-        comparison = compare_predictors(sweep.root, sweep.settings, settings, folder)
+        table = compare_predictors(sweep.root, sweep.settings, settings, folder)
     else:
         from rallygap.pipeline.sweeps.policy import compare_policies
 
-        comparison = compare_policies(sweep.settings, settings, folder)
-    table = comparison.table(sweep.params["seed"])
+        table = compare_policies(sweep.settings, settings, folder)
     write_csv(sweep.report / CONFIRMED, table)
-    write_json(sweep.report / CONFIRMED_SUMMARY, _summary(sweep, table))
+    first = table.iloc[0].to_dict()
+    numbers = ("params", "found", "difference", "ci_low", "ci_high")
+    summary = {
+        "sweep": sweep.name,
+        "measure": first["measure"],
+        **{name: rounded(first[name]) for name in numbers},
+        "per_seed": [rounded(first[f"seed_{k + 1}"]) for k in range(SEEDS)],
+        "n": first["n"],
+        "holds": bool(first["holds"]),
+    }
+    write_json(sweep.report / CONFIRMED_SUMMARY, summary)
     shutil.rmtree(sweep.scratch / "confirm", ignore_errors=True)
     return table
 
@@ -62,19 +71,6 @@ def compared_params(sweep: Sweep) -> list[Params]:
     plain = json.loads(as_json(read_yaml(path), path))  # no alias that holds itself
     best = merged(sweep.params, with_current_keys(plain))
     return [check_params(content, path) for content in (sweep.params, best)]
-
-
-def _summary(sweep: Sweep, table: pd.DataFrame) -> dict[str, object]:
-    first = table.iloc[0].to_dict()
-    numbers = ("params", "found", "difference", "ci_low", "ci_high")
-    return {
-        "sweep": sweep.name,
-        "measure": first["measure"],
-        **{name: rounded(first[name]) for name in numbers},
-        "per_seed": [rounded(first[f"seed_{k + 1}"]) for k in range(SEEDS)],
-        "n": first["n"],
-        "holds": bool(first["holds"]),
-    }
 
 
 def confirmed_table(table: pd.DataFrame) -> Table:

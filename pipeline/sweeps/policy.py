@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.params import Params
-from rallygap.pipeline.policies.descriptions import described_policy
-from rallygap.pipeline.policies.storage import TrainedPolicy
+from rallygap.pipeline.policies.storage import TrainedPolicy, described_policy
 from rallygap.pipeline.policies.training import (
     RECORD,
     TrainingJob,
@@ -16,7 +16,7 @@ from rallygap.pipeline.policies.training import (
     play_test_shots,
     train_policies,
 )
-from rallygap.pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
+from rallygap.pipeline.sweeps.comparison import SEEDS, comparison, repeat_seed
 from rallygap.pipeline.sweeps.settings import PolicySweep, Report
 from rallygap.pipeline.tracking.live import live_run
 
@@ -41,15 +41,10 @@ def described(sweep: PolicySweep, params: Params, repeat: int = 0) -> TrainedPol
     return described_policy(settings, sweep.group, sweep.simulator, horizons, seed, repeat)
 
 
-def compare_policies(sweep: PolicySweep, settings: Sequence[Params], folder: Path) -> Comparison:
-    """Train the policy with two parameter sets and every seed; return its results on unseen shots.
+def compare_policies(sweep: PolicySweep, settings: Sequence[Params], folder: Path) -> pd.DataFrame:
+    """Train the policy with two parameter sets and every seed; compare it on unseen shots.
 
-    Policies of one seed play the same shots.
-
-    Args:
-        sweep: names the group, the simulator and the forecast horizons.
-        settings: the two parameter sets.
-        folder: for checkpoints.
+    Policies of one seed play the same shots. Checkpoints go into the folder.
     """
     jobs = [
         TrainingJob(described(sweep, params, repeat), folder / f"{number}-{repeat}")
@@ -58,6 +53,6 @@ def compare_policies(sweep: PolicySweep, settings: Sequence[Params], folder: Pat
     ]
     shots = settings[0].train_policy.trials
     played = play_test_shots(train_policies(jobs), shots)
-    rates = np.stack([one.table[list(MEASURES)].to_numpy(dtype=np.float64) for one in played])
+    rates = np.stack([test.table[list(MEASURES)].to_numpy(dtype=np.float64) for test in played])
     groups = np.arange(SEEDS * shots).reshape(SEEDS, shots)
-    return Comparison(list(MEASURES.values()), False, rates[:SEEDS], rates[SEEDS:], groups)
+    return comparison(list(MEASURES.values()), False, rates, groups, settings[0].seed)

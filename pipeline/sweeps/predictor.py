@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import lightning
 import numpy as np
-from lightning.pytorch.callbacks import Callback
+import pandas as pd
+from lightning.pytorch.callbacks import Callback, LambdaCallback
 
 from rallygap.models.predictors.errors import HORIZONS_MS, error_norms
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
@@ -20,7 +20,7 @@ from rallygap.pipeline.predictors.trainer import train
 from rallygap.pipeline.predictors.training_data import TrainingEpisodes, untrained_network
 from rallygap.pipeline.runtime.parallel import parallel
 from rallygap.pipeline.runtime.torch_threads import one_thread
-from rallygap.pipeline.sweeps.comparison import SEEDS, Comparison, repeat_seed
+from rallygap.pipeline.sweeps.comparison import SEEDS, comparison, repeat_seed
 from rallygap.pipeline.sweeps.settings import PredictorSweep, Report
 from rallygap.pipeline.tracking.live import live_run
 
@@ -32,12 +32,7 @@ MEASURES = [
 
 
 class PredictorTraining:
-    """Trains a network on the training recordings and validates it as the stage does.
-
-    Args:
-        root: the repository, with the artefacts of ingest and segment.
-        sweep: names the network.
-        params: name the sources.
+    """Trains a network on the recordings of a repository and validates it as the stage does.
 
     Raises:
         InputError: there are no training or validation episodes.
@@ -51,7 +46,12 @@ class PredictorTraining:
 
     def score(self, params: Params, folder: Path, report: Report) -> float:
         """Train; return the validation loss after the last epoch."""
-        return self.fit(params, folder, [_Reporting(report)]).curve[-1]["validation"]
+
+        def validated(trainer: lightning.Trainer, _: lightning.LightningModule) -> None:
+            report(trainer.current_epoch + 1, float(trainer.callback_metrics["validation"]))
+
+        callback = LambdaCallback(on_validation_end=validated)
+        return self.fit(params, folder, [callback]).curve[-1]["validation"]
 
     def fit(
         self, params: Params, folder: Path, callbacks: Sequence[Callback] = ()
@@ -65,33 +65,19 @@ class PredictorTraining:
         return training
 
 
-class _Reporting(Callback):
-    """Reports the validation loss of every epoch."""
-
-    def __init__(self, report: Report) -> None:
-        self.report = report
-
-    def on_validation_end(self, trainer: lightning.Trainer, *_: Any) -> None:
-        self.report(trainer.current_epoch + 1, float(trainer.callback_metrics["validation"]))
-
-
 def compare_predictors(
     root: Path, sweep: PredictorSweep, settings: Sequence[Params], folder: Path
-) -> Comparison:
-    """Train the network with two parameter sets and every seed; return its test errors.
+) -> pd.DataFrame:
+    """Train the network with two parameter sets and every seed; compare its test errors.
 
-    Args:
-        root: the repository, with the artefacts of ingest and segment.
-        sweep: names the network.
-        settings: the two parameter sets.
-        folder: for checkpoints.
+    The repository ``root`` has the artefacts of ingest and segment; checkpoints go into ``folder``.
     """
     training, first = PredictorTraining(root, sweep, settings[0]), settings[0]
     every = first.evaluate_predictor.window_every_ms / 1000
     sets = [
-        one
-        for one in read_test_sets(root / "artifacts", every)
-        if one.name in first.train_predictor.sources
+        measured
+        for measured in read_test_sets(root / "artifacts", every)
+        if measured.name in first.train_predictor.sources
     ]
     tasks = [
         partial(_test_errors, training, seeded, folder / f"{number}-{repeat}", sets)
@@ -99,10 +85,9 @@ def compare_predictors(
         for repeat in range(SEEDS)
         for seeded in [params.model_copy(update={"seed": repeat_seed(params.seed, repeat + 1)})]
     ]
-    measured = np.stack(list(parallel(tasks)))
-    recordings = np.concatenate([one.recordings for one in sets])
-    groups = np.tile(recordings, (SEEDS, 1))
-    return Comparison(MEASURES, True, measured[:SEEDS], measured[SEEDS:], groups)
+    errors = np.stack(list(parallel(tasks)))
+    groups = np.tile(np.concatenate([measured.recordings for measured in sets]), (SEEDS, 1))
+    return comparison(MEASURES, True, errors, groups, first.seed)
 
 
 @one_thread()
@@ -111,12 +96,11 @@ def _test_errors(
 ) -> Floats:
     """Train a predictor and return its (N, K) errors on test windows, K as in ``MEASURES``."""
     predictor = LearnedPredictor(training.fit(params, folder).network)
-    return np.concatenate([_errors(predictor, one) for one in sets])
-
-
-def _errors(predictor: LearnedPredictor, test: MeasuredSet) -> Floats:
-    forecast = predictor.predict(test.windows.history)
-    error = {quantity: error_norms(forecast, test.windows, quantity) for quantity in UNITS}
     shown = [HORIZONS_MS.index(horizon) for horizon in SHOWN_HORIZONS_MS]
-    position = np.ma.masked_invalid(error["position"]).mean(axis=1).filled(np.nan)
-    return np.column_stack([position, *(one[:, shown] for one in error.values())])
+    errors = []
+    for windows in (measured.windows for measured in sets):
+        forecast = predictor.predict(windows.history)
+        by_quantity = [error_norms(forecast, windows, quantity) for quantity in UNITS]
+        position = np.ma.masked_invalid(by_quantity[0]).mean(axis=1).filled(np.nan)
+        errors.append(np.column_stack([position, *(error[:, shown] for error in by_quantity)]))
+    return np.concatenate(errors)

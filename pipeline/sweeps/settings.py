@@ -5,7 +5,6 @@ Parameters are named as in ``dvc exp run -S``: by their dotted path in params.ya
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
@@ -13,6 +12,7 @@ from pydantic import Discriminator, Field, Tag, TypeAdapter, ValidationError, mo
 
 from rallygap.models.policy.settings import HorizonsMs
 from rallygap.pipeline.experiments.profiles import merged
+from rallygap.pipeline.io.metrics import place, rounded
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import (
     Name,
@@ -62,23 +62,6 @@ Values = Annotated[
     Discriminator(lambda values: "choices" if isinstance(values, list) else "range"),
 ]
 """Of a searched parameter: a range, or the choices."""
-
-
-def suggested(trial: "BaseTrial", name: str, values: Values) -> Value:
-    """Return the value of a parameter that a trial uses."""
-    if isinstance(values, list):
-        choice: Value = trial.suggest_categorical(name, values)
-        return choice
-    low, high = values.low, values.high
-    if isinstance(low, int) and isinstance(high, int):
-        return trial.suggest_int(name, low, high, log=values.log)
-    return float(f"{trial.suggest_float(name, low, high, log=values.log):.{DIGITS}g}")
-
-
-def _contains(values: Values, value: Any) -> bool:
-    if isinstance(values, list):
-        return value in values
-    return isinstance(value, int | float) and values.low <= value <= values.high
 
 
 class PruningSettings(Settings):
@@ -146,36 +129,58 @@ SETTINGS: TypeAdapter[PredictorSweep | PolicySweep] = TypeAdapter(
 )
 
 
-@dataclass(frozen=True)
 class Sweep:
-    """A sweep: its settings and the parameters that it changes.
+    """A sweep: the settings in its file, and the content of params.yaml, which it changes.
 
-    Attributes:
-        root: the repository.
-        name: of the file ``experiments/profiles/sweeps/NAME.yaml``.
-        settings: its content.
-        params: the content of params.yaml.
+    Its report has a folder, and ``scratch`` has the study's file and checkpoints.
+
+    Raises:
+        InputError: there is no such file, or its content is invalid.
     """
 
-    root: Path
-    name: str
-    settings: PredictorSweep | PolicySweep
-    params: dict[str, Any]
+    def __init__(self, root: Path, name: str) -> None:
+        self.root, self.name = root, name
+        self.path = root / "experiments" / "profiles" / "sweeps" / f"{name}.yaml"
+        self.report = root / "reports" / "sweeps" / name
+        self.scratch = root / "scratch" / "sweeps" / name
+        if not self.path.is_file():
+            names = sorted(file.stem for file in self.path.parent.glob("*.yaml"))
+            raise InputError(self.path, f"there is no such sweep; there are: {', '.join(names)}")
+        content = as_json(read_yaml(self.path), self.path)
+        try:
+            self.settings = SETTINGS.validate_json(content, strict=True)
+        except ValidationError as error:
+            first = error.errors()[0]
+            field = ".".join(str(part) for part in first["loc"])
+            raise InputError(self.path, first["msg"], field=field) from None
+        load_params(root / "params.yaml")
+        self.params: dict[str, Any] = read_yaml(root / "params.yaml")
+        self._check()
 
-    @property
-    def path(self) -> Path:
-        """The file of the settings."""
-        return _path(self.root, self.name)
+    def _check(self) -> None:
+        """Refuse unknown parameters, those of other stages, and values that are out of bounds."""
+        settings = self.settings
+        for key in (*settings.searchable, *settings.in_trials, *settings.space):
+            self._in_params(key)
+        if isinstance(settings, PolicySweep):
+            load_simulator(settings.simulator)
+        for key, values in settings.space.items():
+            groups = tuple(f"{group}." for group in settings.searchable)
+            if key in DEFINES_SCORE or not key.startswith(groups):
+                searchable = " and ".join(settings.searchable)
+                problem = f"cannot be searched; search parameters of {searchable}"
+                raise InputError(self.path, problem, field=key)
+            for value in values if isinstance(values, list) else (values.low, values.high):
+                self.trial_params({key: value})
 
-    @property
-    def report(self) -> Path:
-        """The folder of the results."""
-        return self.root / "reports" / "sweeps" / self.name
-
-    @property
-    def scratch(self) -> Path:
-        """The folder of the study's file and of checkpoints."""
-        return self.root / "scratch" / "sweeps" / self.name
+    def _in_params(self, key: str) -> Any:
+        """Return the value of a dotted name in params.yaml."""
+        value: Any = self.params
+        for part in key.split("."):
+            if not isinstance(value, dict) or part not in value:
+                raise InputError(self.path, "is no parameter in params.yaml", field=key)
+            value = value[part]
+        return value
 
     @property
     def study(self) -> str:
@@ -196,15 +201,29 @@ class Sweep:
 
     def defaults(self) -> dict[str, Value] | None:
         """Return the searched parameters as in params.yaml; None if the space excludes them."""
-        space = self.settings.space
-        values = {key: lookup(self.params, key, self.path) for key in space}
-        return values if all(_contains(space[key], values[key]) for key in space) else None
+        defaults = {}
+        for key, values in self.settings.space.items():
+            value = defaults[key] = self._in_params(key)
+            if isinstance(values, list):
+                contained = value in values
+            else:
+                contained = isinstance(value, int | float) and values.low <= value <= values.high
+            if not contained:
+                return None
+        return defaults
 
     def suggest(self, trial: "BaseTrial") -> dict[str, Value]:
         """Return the values of the searched parameters in a trial."""
-        return {
-            name: suggested(trial, name, values) for name, values in self.settings.space.items()
-        }
+        suggested: dict[str, Value] = {}
+        for name, values in self.settings.space.items():
+            if isinstance(values, list):
+                suggested[name] = trial.suggest_categorical(name, values)
+            elif isinstance(values.low, int) and isinstance(values.high, int):
+                suggested[name] = trial.suggest_int(name, values.low, values.high, log=values.log)
+            else:
+                value = trial.suggest_float(name, values.low, values.high, log=values.log)
+                suggested[name] = rounded(value, DIGITS)
+        return suggested
 
     def trial_params(self, values: dict[str, Value]) -> Params:
         """Return the parameters of a trial.
@@ -216,69 +235,10 @@ class Sweep:
         return check_params(merged(shortened, nested(values)), self.path)
 
 
-def _path(root: Path, name: str) -> Path:
-    return root / "experiments" / "profiles" / "sweeps" / f"{name}.yaml"
-
-
-def load_sweep(root: Path, name: str) -> Sweep:
-    """Read the settings of a sweep and check them against params.yaml.
-
-    Raises:
-        InputError: there is no such file, or its content is invalid.
-    """
-    path = _path(root, name)
-    if not path.is_file():
-        names = sorted(file.stem for file in path.parent.glob("*.yaml"))
-        raise InputError(path, f"there is no such sweep; there are: {', '.join(names)}")
-    try:
-        settings = SETTINGS.validate_json(as_json(read_yaml(path), path), strict=True)
-    except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"])
-        raise InputError(path, first["msg"], field=field) from None
-    load_params(root / "params.yaml")
-    sweep = Sweep(root, name, settings, read_yaml(root / "params.yaml"))
-    _check(sweep)
-    return sweep
-
-
-def _check(sweep: Sweep) -> None:
-    """Refuse unknown parameters, parameters of other stages, and values that are out of bounds."""
-    settings = sweep.settings
-    for key in (*settings.searchable, *settings.in_trials, *settings.space):
-        lookup(sweep.params, key, sweep.path)
-    if isinstance(settings, PolicySweep):
-        load_simulator(settings.simulator)
-    for key, values in settings.space.items():
-        if key in DEFINES_SCORE or not key.startswith(tuple(f"{g}." for g in settings.searchable)):
-            searchable = " and ".join(settings.searchable)
-            problem = f"cannot be searched; search parameters of {searchable}"
-            raise InputError(sweep.path, problem, field=key)
-        for value in values if isinstance(values, list) else (values.low, values.high):
-            sweep.trial_params({key: value})
-
-
-def lookup(params: dict[str, Any], key: str, path: Path) -> Any:
-    """Return the value of a dotted name in params.yaml.
-
-    Raises:
-        InputError: there is none; ``path`` is the file that uses the name.
-    """
-    value: Any = params
-    for part in key.split("."):
-        if not isinstance(value, dict) or part not in value:
-            raise InputError(path, "is no parameter in params.yaml", field=key)
-        value = value[part]
-    return value
-
-
 def nested(values: dict[str, Any]) -> dict[str, Any]:
     """Return dotted names as nested groups, like those of params.yaml."""
     groups: dict[str, Any] = {}
     for key, value in values.items():
         *above, last = key.split(".")
-        group = groups
-        for part in above:
-            group = group.setdefault(part, {})
-        group[last] = value
+        place(groups, above)[last] = value
     return groups

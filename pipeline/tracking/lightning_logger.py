@@ -1,29 +1,26 @@
-"""Lightning's logger for MLflow, for trainings that share the run of their stage."""
+"""Lightning's logger for trainings that share the run of their stage."""
 
-from collections.abc import Mapping
+from typing import Any
 
-from lightning.pytorch.loggers import MLFlowLogger
+from lightning.pytorch.loggers.logger import Logger
+from lightning.pytorch.utilities.rank_zero import rank_zero_only
 
 from rallygap.pipeline.tracking.live import LiveRun
 
 
-class SharedRunLogger(MLFlowLogger):
-    """Adds a training's losses and learning rates to a run that others write and end.
+class SharedRunLogger(Logger):
+    """Adds a training's losses and learning rates to a run that others write and end."""
 
-    Args:
-        live: the run. A store that fails costs metrics, but no training.
-    """
-
-    LOGGER_JOIN_CHAR = "/"  # MLflow groups charts by the part before it
+    name = version = None  # of folders, which it does not write
 
     def __init__(self, live: LiveRun) -> None:
-        super().__init__(tracking_uri=live.uri, run_id=live.run_id, prefix=live.name)
+        super().__init__()
         self.live = live
-        self._initialized = True  # or Lightning would ask the store for the run
 
-    def log_metrics(self, metrics: Mapping[str, float], step: int | None = None) -> None:
+    @rank_zero_only
+    def log_metrics(self, metrics: dict[str, float], step: int | None = None) -> None:
         """Add metrics at an optimizer step."""
-        self.live.patiently(lambda _: super(SharedRunLogger, self).log_metrics(metrics, step))
+        self.live.log(metrics, step or 0)
 
-    def finalize(self, status: str = "success") -> None:
-        """Leave the run open: the stage ends it."""
+    def log_hyperparams(self, *_: Any, **__: Any) -> None:
+        """The run has the parameters of its stage."""

@@ -3,9 +3,8 @@
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 PATIENCE = 20.0  # s, that all live metrics of a run may take a process
 
@@ -31,15 +30,6 @@ class LiveRun:
 
     def log(self, metrics: Mapping[str, float], step: int) -> None:
         """Add metrics at a step."""
-        named = {f"{self.name}/{key}": value for key, value in metrics.items()}
-        self.patiently(
-            lambda mlflow: mlflow.log_metrics(
-                named, step=step, run_id=self.run_id, synchronous=True
-            )
-        )
-
-    def patiently(self, action: Callable[[Any], None]) -> None:
-        """Do something with MLflow, unless the store has failed or has taken too long."""
         if _spent[self.run_id] > PATIENCE:
             return
         started = time.monotonic()
@@ -47,18 +37,15 @@ class LiveRun:
             import mlflow
 
             mlflow.set_tracking_uri(self.uri)
-            action(mlflow)
+            named = {f"{self.name}/{key}": float(value) for key, value in metrics.items()}
+            mlflow.log_metrics(named, step=step, run_id=self.run_id, synchronous=True)
         except Exception:
             _spent[self.run_id] = float("inf")
         _spent[self.run_id] += time.monotonic() - started
 
 
 def live_run(name: str) -> LiveRun | None:
-    """The run that is open in this thread, for a training; None where there is none.
-
-    Args:
-        name: of the training.
-    """
+    """The run that is open in this thread, for a training; None where there is none."""
     mlflow = sys.modules.get("mlflow")
     run = mlflow.active_run() if mlflow else None
     return LiveRun(mlflow.get_tracking_uri(), run.info.run_id, name) if mlflow and run else None

@@ -43,28 +43,18 @@ def _promote(model: TrainedModel, newest: ModelVersion) -> None:
     alias by hand.
     """
     client = mlflow.MlflowClient()
-    champion = current_champion(model.name)
-    better = champion is None or beats(model, champion.tags)
-    if better and champion is not None:
-        client.delete_registered_model_alias(model.name, CHALLENGER)
-    alias = CHAMPION if better else CHALLENGER
-    # Stores differ in whether a version is a number or a text.
-    client.set_registered_model_alias(model.name, alias, str(newest.version))
-
-
-def current_champion(name: str) -> ModelVersion | None:
-    """The version with the alias, or None where there is none, as after its deletion."""
     try:
-        return mlflow.MlflowClient().get_model_version_by_alias(name, CHAMPION)
-    except MlflowException as error:
+        champion = client.get_model_version_by_alias(model.name, CHAMPION).tags
+    except MlflowException as error:  # there is none, as after its deletion
         if error.error_code not in ("INVALID_PARAMETER_VALUE", "RESOURCE_DOES_NOT_EXIST"):
             raise
-        return None
-
-
-def beats(model: TrainedModel, champion: dict[str, str]) -> bool:
-    """Whether a model has the better score on the same data as the champion, by its tags."""
-    if model.data != champion.get(DATA):
-        return False
-    gain = model.score - float(champion[SCORE])
-    return gain < 0 if model.smaller_is_better else gain > 0
+        alias = CHAMPION
+    else:
+        alias = CHALLENGER
+        if model.data == champion.get(DATA):
+            gain = model.score - float(champion[SCORE])
+            if gain < 0 if model.smaller_is_better else gain > 0:
+                client.delete_registered_model_alias(model.name, CHALLENGER)
+                alias = CHAMPION
+    # Stores differ in whether a version is a number or a text.
+    client.set_registered_model_alias(model.name, alias, str(newest.version))

@@ -23,7 +23,7 @@ from rallygap.pipeline.runtime.guard import guarded
 from rallygap.pipeline.runtime.paths import repository_root
 from rallygap.pipeline.runtime.provenance import Provenance
 from rallygap.pipeline.runtime.scratch import keep_timings, scratch_kept
-from rallygap.pipeline.tracking.results import InputData, Results
+from rallygap.pipeline.tracking.results import Results
 from rallygap.pipeline.tracking.values import (
     changed_params,
     dotted,
@@ -48,12 +48,14 @@ class ParentRun:
         name: of the run.
         tags: of MLflow.
         params: by dotted key.
+        gathers_metrics: of all stages in the working directory, those that DVC skips, too.
     """
 
     key: str
     name: str
-    tags: dict[str, str] = field(default_factory=dict)
+    tags: dict[str, str]
     params: dict[str, str] = field(default_factory=dict)
+    gathers_metrics: bool = False
 
 
 @dataclass(frozen=True)
@@ -72,11 +74,7 @@ def recorded(
 ) -> Iterator[None]:
     """Guard and record the stage of this block, and keep its scratch folder and its timings.
 
-    Args:
-        stage: its name.
-        origin: its command and fingerprint.
-        params: its parameters.
-        results: called when the stage has ended, well or badly.
+    ``results`` is called when the stage has ended, well or badly.
     """
     with guarded(stage), recording(stage_start(stage, origin, params), results):
         with scratch_kept(stage, origin.fingerprint):
@@ -86,12 +84,7 @@ def recorded(
 
 @contextmanager
 def recording(start: RunStart, results: Callable[[], Results]) -> Iterator[None]:
-    """Record what is done in this block, and how it ends.
-
-    Args:
-        start: what is known of the run.
-        results: called when the block has ended, well or badly.
-    """
+    """Record what is done in this block, and how it ends; ``results`` is called when it has."""
     parent = attempt(start.name, lambda: _open(start))
     status = "FAILED"
     try:
@@ -130,7 +123,8 @@ def stage_start(stage: str, origin: Provenance, params: dict[str, Any]) -> RunSt
     if key is None:
         return RunStart(stage, params, tags)
     name = known.get("dvc.experiment", "reproduction")
-    parent = ParentRun(key, name, {**known, "mlflow.source.name": "dvc"}, changed_params(home))
+    above = {**known, "mlflow.source.name": "dvc"}
+    parent = ParentRun(key, name, above, changed_params(home), gathers_metrics=True)
     return RunStart(stage, params, tags, parent)
 
 
@@ -141,9 +135,9 @@ def reproduction() -> str | None:
         Its key; None for a stage that was started by hand.
     """
     for process in psutil.Process().parents():
-        known = process.as_dict(["pid", "cmdline", "create_time"])  # None for what is not allowed
-        if any(Path(word).stem == "dvc" for word in (known["cmdline"] or [])[:3]):
-            return f"{known['pid']}-{known['create_time']:.0f}"
+        words = process.as_dict(["cmdline"])["cmdline"] or []  # None where it is not allowed
+        if any(Path(word).stem == "dvc" for word in words[:3]):
+            return _process_name(process)
     return None
 
 
@@ -165,9 +159,7 @@ def _open(start: RunStart) -> str:
     home, named = repository_root(), os.environ.get("MLFLOW_TRACKING_URI")
     # MLflow cannot make the tables of one store, or one parent, from two processes at once.
     with FileLock(home / "mlflow.db.lock", timeout=STORE_MADE):
-        if named is None and not (home / "mlflow.db").exists():
-            _make_store(home / "mlflow.db")
-        _connect(named or store_uri(home))
+        _connect(home, named)
         if mlflow.get_experiment_by_name(EXPERIMENT) is None:
             folder = None if named else (home / "mlartifacts").as_uri()
             mlflow.create_experiment(EXPERIMENT, artifact_location=folder)
@@ -189,24 +181,21 @@ def _open(start: RunStart) -> str:
     return parent
 
 
-def _make_store(path: Path) -> None:
-    """Make the repository's store whole or not at all: MLflow could not open half of one."""
+def _connect(home: Path, named: str | None) -> None:
+    """Use the store that is named, or the repository's, which is made if there is none."""
     import mlflow
+    from sqlalchemy import create_engine
 
-    unfinished = path.with_name(f"{path.name}.new")
-    unfinished.unlink(missing_ok=True)
-    mlflow.set_tracking_uri(f"sqlite:///{unfinished}")
-    mlflow.search_experiments(max_results=1)
-    unfinished.replace(path)
-
-
-def _connect(uri: str) -> None:
-    """Use a store. A database is tried first, because MLflow would try for minutes."""
-    import mlflow
-
-    if not uri.startswith("http"):
-        from sqlalchemy import create_engine
-
+    path = home / "mlflow.db"
+    if named is None and not path.exists():
+        # Whole or not at all: MLflow could not open half of one.
+        unfinished = path.with_name(f"{path.name}.new")
+        unfinished.unlink(missing_ok=True)
+        mlflow.set_tracking_uri(f"sqlite:///{unfinished}")
+        mlflow.search_experiments(max_results=1)
+        unfinished.replace(path)
+    uri = named or store_uri(home)
+    if not uri.startswith("http"):  # a database is tried first: MLflow would try for minutes
         with create_engine(uri).connect() as connection:
             connection.exec_driver_sql("SELECT 1")
     mlflow.set_tracking_uri(uri)
@@ -224,17 +213,21 @@ def _close_abandoned() -> None:
                 _end(parent, "KILLED")
 
 
+def _process_name(process: psutil.Process) -> str:
+    # psutil's hash is of the number and the time since the machine started, which no clock that is
+    # set shifts, as it would the time of day.
+    return f"{process.pid}-{hash(process)}"
+
+
 def this_process() -> str:
     """A name of this process that no later one has."""
-    process = psutil.Process()
-    return f"{process.pid}-{process.create_time():.0f}"
+    return _process_name(psutil.Process())
 
 
 def process_lives(name: str) -> bool:
     """Whether a process of this machine is still there, by its name of ``this_process``."""
-    number, created = name.split("-")
     try:
-        return f"{psutil.Process(int(number)).create_time():.0f}" == created
+        return _process_name(psutil.Process(int(name.partition("-")[0]))) == name
     except psutil.NoSuchProcess:
         return False
 
@@ -253,14 +246,18 @@ def _parent_id(parent: ParentRun) -> str:
 
 
 def _close(start: RunStart, parent: str, status: str, results: Results) -> None:
-    """Log what the run leaves and end it; its parent gets its status and all stages' metrics."""
+    """Log what the run leaves and end it; its parent gets its status, and metrics it gathers."""
     import mlflow
+    from mlflow.data import sources
+    from mlflow.data.meta_dataset import MetaDataset
 
     try:
         for step, metrics in flat_metrics(results.metrics).items():
             mlflow.log_metrics(metrics, step=step)
-        for data in results.inputs:
-            _log_input(data)
+        for data in results.inputs:  # `mlflow.data.get_source` finds the file again
+            source = sources.LocalArtifactDatasetSource(data.source)  # type: ignore[attr-defined]
+            dataset = MetaDataset(source, data.name, data.digest)  # type: ignore[abstract]
+            mlflow.log_input(dataset, tags={"rows": str(data.rows)})
         for figure in results.figures:
             mlflow.log_artifact(str(figure), "figures")
         if status == "FINISHED" and results.models:
@@ -271,18 +268,8 @@ def _close(start: RunStart, parent: str, status: str, results: Results) -> None:
     finally:
         mlflow.end_run(status)
     if parent:
-        _end(parent, status, reported_metrics() if "dvc.stage" in start.tags else {})
-
-
-def _log_input(data: InputData) -> None:
-    """Log an input data set; ``mlflow.data.get_source`` finds the file again."""
-    import mlflow
-    from mlflow.data import sources
-    from mlflow.data.meta_dataset import MetaDataset
-
-    source = sources.LocalArtifactDatasetSource(data.source)  # type: ignore[attr-defined]
-    dataset = MetaDataset(source, name=data.name, digest=data.digest)  # type: ignore[abstract]
-    mlflow.log_input(dataset, tags={"rows": str(data.rows)})
+        gathered = start.parent is not None and start.parent.gathers_metrics
+        _end(parent, status, reported_metrics() if gathered else {})
 
 
 def _end(run_id: str, status: str, metrics: dict[str, float] | None = None) -> None:

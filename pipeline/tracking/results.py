@@ -7,14 +7,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class InputData:
-    """A data set that a stage read.
-
-    Attributes:
-        name: of the data set.
-        source: path of its file or folder.
-        rows: or other items in it.
-        digest: MD5 of its content.
-    """
+    """A data set that a stage read: its file or folder, number of rows, and MD5 of its content."""
 
     name: str
     source: str

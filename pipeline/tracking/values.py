@@ -11,7 +11,7 @@ from typing import Any
 from rallygap.models.support.yaml_file import parse_yaml
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.params import read_yaml
-from rallygap.pipeline.runtime.git import git_if_known
+from rallygap.pipeline.runtime.git import git
 
 
 def flat(values: dict[str, Any], *above: str) -> Iterator[tuple[tuple[str, ...], Any]]:
@@ -39,7 +39,7 @@ def changed_params(home: Path) -> dict[str, str]:
         home: the repository, which DVC's temporary copies have no git history of.
     """
     revision = os.environ.get("DVC_EXP_BASELINE_REV", "HEAD")
-    committed, path = git_if_known(home, "show", f"{revision}:params.yaml"), Path("params.yaml")
+    committed, path = git(home, "show", f"{revision}:params.yaml"), Path("params.yaml")
     if committed is None or not path.exists():
         return {}
     before, after = dotted(parse_yaml(committed)), dotted(read_yaml(path))

@@ -7,7 +7,7 @@ import sqlite3
 import subprocess
 import time
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import AbstractContextManager, closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,58 +30,40 @@ Strike = Callable[[Repository, str], Ended]
 
 @dataclass(frozen=True)
 class Fault:
-    """Something that goes wrong while a stage runs.
-
-    Args:
-        name: what it is.
-        stage: that it strikes.
-        strike: runs ``dvc repro`` with it.
-        says: what the run must say, so that a fault that never struck is not taken for borne.
-        borne: whether that ends well all the same.
-        needs_root: whether it mounts disks.
-        damages: a file of DVC's that it may damage, which is then repaired; "" if none.
-    """
+    """Something that goes wrong while a stage runs."""
 
     name: str
     stage: str
-    strike: Strike
-    says: str = ""
-    borne: bool = False
-    needs_root: bool = False
-    damages: str = ""
+    strike: Strike  # runs `dvc repro` with it
+    says: str = (
+        ""  # what the run must say, so that a fault that never struck is not taken for borne
+    )
+    borne: bool = False  # whether the run ends well all the same
+    needs_root: bool = False  # to mount disks
+    damages: str = ""  # a file of DVC's that it may damage, which is then repaired
 
 
 @dataclass(frozen=True)
 class Suffered:
-    """A fault and what came of it.
-
-    Args:
-        fault: its name.
-        stage: that it struck.
-        happened: how ``dvc repro`` ended.
-        as_expected: whether it ended well exactly where it should, said what it should, and damaged
-            no file of DVC's but the one that it may.
-        message: what it said.
-        half_written: how many outputs stood under their name and were not whole.
-        same_hashes: whether ``dvc repro``, run again without the fault, ended with the undisturbed
-            run's bytes and lock, and nothing besides.
-        differences: the files that say otherwise.
-    """
+    """A fault and what came of it."""
 
     fault: str
     stage: str
-    happened: str
-    as_expected: bool
+    happened: str  # how `dvc repro` ended
+    as_expected: bool  # as it should, saying what it should, no other file of DVC's damaged
     message: str
-    half_written: int
-    same_hashes: bool
-    differences: str
+    half_written: int  # outputs that stood under their name and were not whole
+    same_hashes: bool  # of `dvc repro` without the fault: the undisturbed run's bytes and lock
+    differences: str  # the files that say otherwise
 
 
 def suffer(repository: Repository, fault: Fault) -> Suffered:
     """Let a stage meet a fault, and DVC run once more without it."""
     with repository.without(fault.stage):
-        struck, kept = _struck(repository, fault)
+        try:
+            struck, kept = fault.strike(repository, fault.stage), True
+        except AssertionError as error:  # what it must leave in order is not
+            struck, kept = Ended(1, f"AssertionError: {error}"), False
         half = repository.half_written()
         ended, repaired = repository.recover()
         differences = repository.differences()
@@ -102,22 +84,14 @@ def suffer(repository: Repository, fault: Fault) -> Suffered:
     )
 
 
-def _struck(repository: Repository, fault: Fault) -> tuple[Ended, bool]:
-    """Return how the run ended, and whether all that the fault must leave in order is."""
-    try:
-        return fault.strike(repository, fault.stage), True
-    except AssertionError as error:
-        return Ended(1, f"AssertionError: {error}"), False
-
-
 def _running(
     repository: Repository, stage: str
 ) -> tuple["subprocess.Popen[bytes]", psutil.Process]:
     """Start DVC and wait until it runs a stage; return both processes."""
     dvc = repository.start("dvc", "repro", stage)
     running = awaited_stage(dvc)
-    assert running is not None and running.stage == stage, repository.printed()
-    return dvc, running.process
+    assert running is not None and running[0] == stage, repository.printed()
+    return dvc, running[1]
 
 
 def _ended(repository: Repository, dvc: "subprocess.Popen[bytes]") -> Ended:
@@ -125,34 +99,14 @@ def _ended(repository: Repository, dvc: "subprocess.Popen[bytes]") -> Ended:
     return Ended(status, repository.printed())
 
 
-def artifacts_full(repository: Repository, stage: str) -> Ended:
-    with full_disk(repository.folder / "artifacts"):
-        return repository.reproduce(stage)
+def on_disk(disk: Callable[[Path], AbstractContextManager[None]], name: str) -> Strike:
+    """Return what runs a stage while a folder is on a disk of a kind."""
 
+    def strike(repository: Repository, stage: str) -> Ended:
+        with disk(repository.folder / name):
+            return repository.reproduce(stage)
 
-def reports_full(repository: Repository, stage: str) -> Ended:
-    with full_disk(repository.folder / "reports"):
-        return repository.reproduce(stage)
-
-
-def scratch_full(repository: Repository, stage: str) -> Ended:
-    with full_disk(repository.folder / "scratch"):
-        return repository.reproduce(stage)
-
-
-def cache_full(repository: Repository, stage: str) -> Ended:
-    with full_disk(repository.folder / ".dvc" / "cache"):
-        return repository.reproduce(stage)
-
-
-def artifacts_read_only(repository: Repository, stage: str) -> Ended:
-    with read_only_disk(repository.folder / "artifacts"):
-        return repository.reproduce(stage)
-
-
-def reports_read_only(repository: Repository, stage: str) -> Ended:
-    with read_only_disk(repository.folder / "reports"):
-        return repository.reproduce(stage)
+    return strike
 
 
 def store_gone(repository: Repository, stage: str) -> Ended:
@@ -174,28 +128,26 @@ def store_locked(repository: Repository, stage: str) -> Ended:
         return repository.reproduce(stage)
 
 
-def stage_alone_killed(repository: Repository, stage: str) -> Ended:
-    return _struck_halfway(repository, stage, signal.SIGKILL)
-
-
-def stage_stopped(repository: Repository, stage: str) -> Ended:
-    ended = _struck_halfway(repository, stage, signal.SIGTERM)
-    deadline = time.monotonic() + WORKERS_GONE
-    while left := _workers(repository.folder):
-        assert time.monotonic() < deadline, f"{len(left)} workers live on"
-        time.sleep(0.1)
-    return ended
-
-
-def _struck_halfway(repository: Repository, stage: str, number: signal.Signals) -> Ended:
+def stage_alone_killed(
+    repository: Repository, stage: str, number: signal.Signals = signal.SIGKILL
+) -> Ended:
     dvc, process = _running(repository, stage)
     time.sleep(repository.seconds[stage] / 2)
     process.send_signal(number)
     return _ended(repository, dvc)
 
 
-def _workers(folder: Path) -> list[psutil.Process]:
-    return [one for one in inhabitants(folder) if any("joblib" in word for word in command_of(one))]
+def stage_stopped(repository: Repository, stage: str) -> Ended:
+    ended = stage_alone_killed(repository, stage, signal.SIGTERM)
+    deadline = time.monotonic() + WORKERS_GONE
+    while left := [
+        process
+        for process in inhabitants(repository.folder)
+        if any("joblib" in word for word in command_of(process))
+    ]:
+        assert time.monotonic() < deadline, f"{len(left)} workers live on"
+        time.sleep(0.1)
+    return ended
 
 
 def dvc_alone_killed(repository: Repository, stage: str) -> Ended:
@@ -224,43 +176,51 @@ def lock_cut_short(repository: Repository, stage: str) -> Ended:
     return repository.reproduce(stage)
 
 
-def first_write_interrupted(repository: Repository, stage: str) -> Ended:
-    return _interrupted(repository, stage, 1)
+def interrupted(write: int) -> Strike:
+    """Return what kills a stage in a write of its outputs, counted from 1."""
 
+    def strike(repository: Repository, stage: str) -> Ended:
+        return repository.reproduce(
+            stage,
+            PYTHONPATH=f"{INTERRUPTED}:{repository.folder}",
+            INTERRUPTED_STAGE=stage,
+            INTERRUPTED_WRITE=str(write),
+        )
 
-def third_write_interrupted(repository: Repository, stage: str) -> Ended:
-    return _interrupted(repository, stage, 3)
-
-
-def _interrupted(repository: Repository, stage: str, write: int) -> Ended:
-    return repository.reproduce(
-        stage,
-        PYTHONPATH=f"{INTERRUPTED}:{repository.folder}",
-        INTERRUPTED_STAGE=stage,
-        INTERRUPTED_WRITE=str(write),
-    )
+    return strike
 
 
 WORKERS = "sim2sim"  # a stage with worker processes even where there is one policy
 FULL, READ_ONLY = "the disk is full", "the disk can only be read"
 UNRECORDED = "warning: MLflow has no complete record"
 FAULTS = (
-    Fault("disk of artifacts full", "segment", artifacts_full, FULL, needs_root=True),
-    Fault("disk of reports full", "segment", reports_full, FULL, needs_root=True),
-    Fault("disk of checkpoints full", "train_predictor", scratch_full, FULL, needs_root=True),
-    Fault("disk of checkpoints full", "train_policy", scratch_full, FULL, needs_root=True),
+    *[
+        Fault(f"disk of {name} full", stage, on_disk(full_disk, folder), FULL, needs_root=True)
+        for name, folder, stage in (
+            ("artifacts", "artifacts", "segment"),
+            ("reports", "reports", "segment"),
+            ("checkpoints", "scratch", "train_predictor"),
+            ("checkpoints", "scratch", "train_policy"),
+        )
+    ],
     Fault(
         "disk of DVC's cache full",
         "segment",
-        cache_full,
+        on_disk(full_disk, ".dvc/cache"),
         "failed to transfer",  # DVC goes on; the next run makes what its cache lacks
         borne=True,
         needs_root=True,
     ),
-    Fault(
-        "disk of artifacts read-only", "segment", artifacts_read_only, READ_ONLY, needs_root=True
-    ),
-    Fault("disk of reports read-only", "segment", reports_read_only, READ_ONLY, needs_root=True),
+    *[
+        Fault(
+            f"disk of {folder} read-only",
+            "segment",
+            on_disk(read_only_disk, folder),
+            READ_ONLY,
+            needs_root=True,
+        )
+        for folder in ("artifacts", "reports")
+    ],
     Fault("tracking server gone", "segment", store_gone, UNRECORDED, borne=True),
     Fault("tracking server hangs", "segment", store_hangs, UNRECORDED, borne=True),
     Fault("tracking store locked", "segment", store_locked, UNRECORDED, borne=True),
@@ -277,9 +237,14 @@ FAULTS = (
         "dvc.lock' validation failed",
         damages="dvc.lock",
     ),
-    Fault("first write cut short", "ingest", first_write_interrupted),
-    Fault("first write cut short", "segment", first_write_interrupted),
-    Fault("third write cut short", "ingest", third_write_interrupted),
-    Fault("third write cut short", "segment", third_write_interrupted),
-    Fault("first write cut short", "train_predictor", first_write_interrupted),
+    *[
+        Fault(f"{which} write cut short", stage, interrupted(number))
+        for number, which, stage in (
+            (1, "first", "ingest"),
+            (1, "first", "segment"),
+            (3, "third", "ingest"),
+            (3, "third", "segment"),
+            (1, "first", "train_predictor"),
+        )
+    ],
 )

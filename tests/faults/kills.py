@@ -20,32 +20,18 @@ EARLIER = 0.9  # by which the moments of each further attempt are
 
 @dataclass(frozen=True)
 class Kill:
-    """One kill and what came of it.
-
-    Args:
-        stage: that ran.
-        number: of the kill, counted from 1 in each stage.
-        share: of the stage's duration in the undisturbed run, at which it was killed.
-        seconds: the same since its start.
-        hit: whether it still ran.
-        files_left: how many files it had left among its outputs.
-        half_written: how many of them stood under their name and were not whole.
-        repaired: a file of DVC's that was damaged, and repaired as docs/reliability.md says.
-        same_hashes: whether ``dvc repro`` then ended with the undisturbed run's bytes and lock,
-            and nothing besides.
-        differences: the files that say otherwise.
-    """
+    """One kill of a stage and what came of it."""
 
     stage: str
-    number: int
-    share: float
-    seconds: float
-    hit: bool
-    files_left: int
-    half_written: int
-    repaired: str
-    same_hashes: bool
-    differences: str
+    number: int  # counted from 1 in each stage
+    share: float  # of the stage's duration in the undisturbed run, at which it was killed
+    seconds: float  # the same since its start
+    hit: bool  # whether it still ran
+    files_left: int  # among its outputs
+    half_written: int  # files that stood under their name and were not whole
+    repaired: str  # a file of DVC's that was damaged, repaired as docs/reliability.md says
+    same_hashes: bool  # whether `dvc repro` then ended with the undisturbed run's bytes and lock
+    differences: str  # the files that say otherwise
 
 
 def kills_a_stage() -> int:
@@ -99,11 +85,11 @@ def killed_group(repository: Repository, stage: str, after: float) -> tuple[bool
     dvc = repository.start("dvc", "repro", stage)
     running = awaited_stage(dvc)
     started = time.monotonic()
-    assert running is not None and running.stage == stage, repository.printed()
+    assert running is not None and running[0] == stage, repository.printed()
     time.sleep(after)
     # What is stopped cannot end between the question and the kill.
     os.killpg(dvc.pid, signal.SIGSTOP)
-    hit, seconds = _halted(running.process), time.monotonic() - started
+    hit, seconds = _halted(running[1]), time.monotonic() - started
     os.killpg(dvc.pid, signal.SIGKILL)
     dvc.wait()
     return hit, seconds

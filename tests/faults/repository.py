@@ -2,11 +2,9 @@
 
 import hashlib
 import json
-import os
 import re
 import shutil
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -19,11 +17,13 @@ import yaml
 
 from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.params import read_yaml
+from tests.clone import ROOT, cloned
+from tests.clone import environment as clone_environment
 
-ROOT = Path(__file__).parents[2]
 PROFILE = ROOT / "experiments" / "profiles" / "smoke.yaml"
 OUTPUTS = ("artifacts", "reports")
 CACHE = Path(".dvc") / "cache" / "files" / "md5"
+STAGES = "rallygap.stages."  # modules of this package are stages
 POLL = 0.02  # s
 # DVC's own files, which it writes in place: a kill may damage them. What DVC then says.
 REFUSALS = {
@@ -57,26 +57,12 @@ class Ended:
 
 
 @dataclass(frozen=True)
-class RunningStage:
-    """A stage and its process."""
-
-    stage: str
-    process: psutil.Process
-
-
-@dataclass(frozen=True)
 class Repository:
-    """The copy, what an undisturbed run of it left, and how long its stages took.
-
-    Args:
-        folder: where it runs.
-        spare: a copy of it after the undisturbed run.
-        seconds: stage to how long it took.
-    """
+    """The copy, what an undisturbed run of it left, and how long its stages took."""
 
     folder: Path
-    spare: Path
-    seconds: dict[str, float]
+    spare: Path  # the copy after the undisturbed run
+    seconds: dict[str, float]  # by stage
 
     @contextmanager
     def without(self, stage: str) -> Iterator[None]:
@@ -90,13 +76,18 @@ class Repository:
 
     def start(self, *command: str, **environment: str) -> "subprocess.Popen[bytes]":
         """Start a command in a process group of its own; what it prints goes to ``log``."""
-        path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+        temporary = self.folder.with_name("tmp")
+        temporary.mkdir(exist_ok=True)
+        places = {
+            "TMPDIR": str(temporary),
+            "DVC_SITE_CACHE_DIR": str(self.folder.with_name("site_cache")),
+        }
         self.log.unlink(missing_ok=True)  # what an earlier command still writes goes nowhere
         with self.log.open("wb") as log:
             return subprocess.Popen(
                 command,
                 cwd=self.folder,
-                env={**_environment(self.folder), "PATH": path, **environment},
+                env={**clone_environment(self.folder), **places, **environment},
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
@@ -121,8 +112,8 @@ class Repository:
     def recover(self) -> tuple[Ended, str]:
         """Run ``dvc repro``; where DVC refuses a file of its own, repair that and run it again.
 
-        Returns:
-            How it ended, and the file that was repaired, as docs/reliability.md says; "" if none.
+        Returns how it ended, and the file that was repaired, as docs/reliability.md says; "" if
+        none.
         """
         ended = self.reproduce()
         for name, refusal in REFUSALS.items():
@@ -166,14 +157,17 @@ def undisturbed(folder: Path) -> Repository:
     time in the second.
     """
     repository = Repository(folder / "repository", folder / "spare", {})
-    _clone(repository.folder)
+    cloned(repository.folder)
+    params = merged(read_yaml(ROOT / "params.yaml"), read_yaml(PROFILE))
+    (repository.folder / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))
     ended = repository.reproduce()
     assert ended.status == 0, ended.printed
     dvc = repository.start("dvc", "repro", "--force")
     while running := awaited_stage(dvc):
+        stage, process = running
         started = time.monotonic()
-        running.process.wait()
-        repository.seconds[running.stage] = time.monotonic() - started
+        process.wait()
+        repository.seconds[stage] = time.monotonic() - started
     assert dvc.wait() == 0, repository.printed()
     settle(repository.folder)
     subprocess.run(["git", "add", "--force", "dvc.lock"], cwd=repository.folder, check=True)
@@ -186,23 +180,18 @@ def stages() -> list[str]:
     return list(read_yaml(ROOT / "dvc.yaml")["stages"])
 
 
-def awaited_stage(dvc: "subprocess.Popen[bytes]") -> RunningStage | None:
-    """Wait until a stage runs below DVC; None where DVC ends before."""
+def awaited_stage(dvc: "subprocess.Popen[bytes]") -> tuple[str, psutil.Process] | None:
+    """Wait until a stage runs below DVC; return it and its process, None where DVC ends before."""
+    below: list[psutil.Process] = []
     while dvc.poll() is None:
-        for process in descendants(dvc.pid):
+        with suppress(psutil.NoSuchProcess):
+            below = psutil.Process(dvc.pid).children(recursive=True)
+        for process in below:
             words = command_of(process)
-            if words[1:2] == ["-m"] and words[2].startswith("stages."):
-                return RunningStage(words[2].removeprefix("stages."), process)
+            if words[1:2] == ["-m"] and words[2].startswith(STAGES):
+                return words[2].removeprefix(STAGES), process
         time.sleep(POLL)
     return None
-
-
-def descendants(pid: int) -> list[psutil.Process]:
-    """The processes below one, whoever they are."""
-    try:
-        return psutil.Process(pid).children(recursive=True)
-    except psutil.NoSuchProcess:
-        return []
 
 
 def command_of(process: psutil.Process) -> list[str]:
@@ -265,34 +254,6 @@ def _entry(digest: str) -> Path:
 def lock(folder: Path) -> Any:
     """What dvc.lock says, in whichever order."""
     return read_yaml(folder / "dvc.lock")
-
-
-def _environment(folder: Path) -> dict[str, str]:
-    own = {key: text for key, text in os.environ.items() if key != "MLFLOW_TRACKING_URI"}
-    temporary = folder.with_name("tmp")
-    temporary.mkdir(exist_ok=True)
-    return {
-        **own,
-        "PYTHONPATH": str(folder),
-        "TMPDIR": str(temporary),
-        "DVC_SITE_CACHE_DIR": str(folder.with_name("site_cache")),
-    }
-
-
-def _clone(folder: Path) -> None:
-    """Write all that git knows but the results into a repository of its own."""
-    listed = subprocess.run(
-        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT, capture_output=True, text=True, check=True,
-    ).stdout  # fmt: skip
-    results = [f"reports/{stage}/" for stage in stages()]
-    for name in filter(None, listed.split("\0")):
-        if (ROOT / name).is_file() and not name.startswith(("dvc.lock", *results)):
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(ROOT / name, folder / name)
-    params = merged(read_yaml(ROOT / "params.yaml"), read_yaml(PROFILE))
-    (folder / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))
-    subprocess.run(["git", "init", "--quiet"], cwd=folder, check=True)
 
 
 def _copy(source: Path, target: Path) -> None:

@@ -25,13 +25,13 @@ from rallygap.pipeline.io.source_manifest import read_manifest
 from rallygap.pipeline.paper.comparison import compare
 from rallygap.pipeline.paper.run_reports import kept_reports
 from rallygap.pipeline.params import load_params
-from rallygap.pipeline.policies.storage import TrainedPolicy, load_policy
+from rallygap.pipeline.policies.storage import load_policy
 from rallygap.pipeline.predictors.storage import load_predictor
 from rallygap.pipeline.runtime.provenance import provenance, short
 from rallygap.pipeline.runtime.scratch import kept_timings
 from rallygap.pipeline.sweeps.confirm import compared_params
 from rallygap.pipeline.sweeps.report import BEST
-from rallygap.pipeline.sweeps.settings import load_sweep
+from rallygap.pipeline.sweeps.settings import Sweep
 from rallygap.pipeline.transfer.truth_comparison import NamedCauses
 from rallygap.pipeline.web.report_manifest import read_columns
 from tests.fuzz import hostile
@@ -54,31 +54,29 @@ class Reader:
     Attributes:
         name: in the table of counts.
         write: writes what it reads into a folder and returns the file to damage.
-        read: reads it, uses what came of it, and returns how many rows were refused.
+        read: reads it and uses what came of it; a number is of refused rows.
         hostile: files made for its format.
     """
 
     name: str
     write: Callable[[Path], Path]
-    read: Callable[[Path], int]
+    read: Callable[[Path], object]
     hostile: list[bytes]
 
 
-def _source(name: str, folder: Path) -> int:
-    """Read a source; count what was refused of it."""
-    read = made_up.read(folder, name)
-    checked(read.recordings, RECORDINGS)
-    checked(read.launches, LAUNCHES)
-    (record,) = read.manifest.sources.values()
-    refused = sum(group.count for group in record.rows_refused.values())
-    assert record.rows_read - record.rows_kept == refused
-    return refused + sum(group.count for group in record.labels_refused.values())
+def _source(name: str) -> Callable[[Path], int]:
+    """Return what reads a source and counts what was refused of it."""
 
+    def read(folder: Path) -> int:
+        read = made_up.read(folder, name)
+        checked(read.recordings, RECORDINGS)
+        checked(read.launches, LAUNCHES)
+        (record,) = read.manifest.sources.values()
+        refused = sum(group.count for group in record.rows_refused.values())
+        assert record.rows_read - record.rows_kept == refused
+        return refused + sum(group.count for group in record.labels_refused.values())
 
-def _source_reader(
-    name: str, source: str, write: Callable[[Path], Path], hostile_files: list[bytes]
-) -> Reader:
-    return Reader(name, write, lambda folder: _source(source, folder), hostile_files)
+    return read
 
 
 def _write_described_csv(folder: Path) -> Path:
@@ -104,14 +102,14 @@ def _copied(*names: str) -> Callable[[Path], Path]:
     return write
 
 
-def _read_params(folder: Path) -> int:
-    load_params(folder / "params.yaml")
-    return 0
+def _json(name: str, content: object) -> Callable[[Path], Path]:
+    """Return what writes a JSON file."""
 
+    def write(folder: Path) -> Path:
+        write_json(folder / name, content)
+        return folder / name
 
-def _read_profile(folder: Path) -> int:
-    profile_flags(folder, "smoke")
-    return 0
+    return write
 
 
 def _write_simulator(folder: Path) -> Path:
@@ -120,15 +118,9 @@ def _write_simulator(folder: Path) -> Path:
     return path
 
 
-def _read_simulator(folder: Path) -> int:
+def _read_simulator(folder: Path) -> None:
     simulator = load_simulator(str(folder / "simulator.yaml"))
     assert np.isfinite(simulator.fly(BALL, [0.1, 0.2]).states).all()
-    return 0
-
-
-def _read_sweep(folder: Path) -> int:
-    load_sweep(folder, "predictor")
-    return 0
 
 
 def _write_best(folder: Path) -> Path:
@@ -137,11 +129,6 @@ def _write_best(folder: Path) -> Path:
     path.parent.mkdir(parents=True)
     path.write_text("train_predictor:\n  training:\n    learning_rate: 0.005\n    batch: 48\n")
     return path
-
-
-def _read_best(folder: Path) -> int:
-    compared_params(load_sweep(folder, "predictor"))
-    return 0
 
 
 def _write_predictor(file: str) -> Callable[[Path], Path]:
@@ -161,11 +148,9 @@ def _huge_network() -> bytes:
     return json.dumps(content).encode()
 
 
-def _read_predictor(folder: Path) -> int:
+def _read_predictor(folder: Path) -> None:
     predictor = load_predictor(folder / "artifacts" / "train_predictor" / "tiny")
-    history, _ = observed(noise=0.003)
-    predictor.predict(history)
-    return 0
+    predictor.predict(observed(noise=0.003)[0])
 
 
 def _write_policy(file: str) -> Callable[[Path], Path]:
@@ -176,26 +161,14 @@ def _write_policy(file: str) -> Callable[[Path], Path]:
     return write
 
 
-def _inputs(described: TrainedPolicy) -> int:
-    goals, horizons = described.goals.count, len(described.horizons)
-    return observation_size(horizons, goals, described.observation)
-
-
-def _read_policy(folder: Path) -> int:
+def _read_policy(folder: Path) -> None:
     policy, described = load_policy(folder / "policy")
-    policy.act(np.zeros((2, _inputs(described)), np.float32))
-    return 0
+    goals, horizons = described.goals.count, len(described.horizons)
+    size = observation_size(horizons, goals, described.observation)
+    policy.act(np.zeros((2, size), np.float32))
 
 
-def _write_verdict(folder: Path) -> Path:
-    cause = {"identity": "wind.x", "interval": [0.1, 0.3], "unit": "m/s"}
-    write_json(folder / "verdict.json", {"verdict": "named", "causes": [cause, cause]})
-    return folder / "verdict.json"
-
-
-def _read_verdict(folder: Path) -> int:
-    read_as(folder / "verdict.json", NamedCauses, "close_gap")
-    return 0
+CAUSE = {"identity": "wind.x", "interval": [0.1, 0.3], "unit": "m/s"}
 
 
 def _write_records(folder: Path) -> Path:
@@ -204,57 +177,11 @@ def _write_records(folder: Path) -> Path:
     return folder / "records.jsonl"
 
 
-def _read_records(folder: Path) -> int:
-    read_records(folder / "records.jsonl")
-    return 0
-
-
-def _write_manifest(folder: Path) -> Path:
-    write_json(folder / "manifest.json", {"sources": {"plain": source_record("plain", "none")}})
-    return folder / "manifest.json"
-
-
-def _read_manifest(folder: Path) -> int:
-    manifest = read_manifest(folder / "manifest.json")
-    assert all(isinstance(name, str) for name in manifest.labelled_once)
-    return 0
-
-
-def _write_truth(folder: Path) -> Path:
-    write_inputs(folder, sources=("arena",))
-    return folder / "artifacts" / "ingest" / "truth.json"
-
-
-def _read_truth(folder: Path) -> int:
-    read_truth(folder / "artifacts" / "ingest" / "truth.json")
-    return 0
-
-
-def _write_shots(folder: Path) -> Path:
-    forecast = {"t": [0.1, 0.2], "position": [[0.1, 1.0, 0.3], [0.1, 0.9, 0.3]]}
-    shot = {"episode_id": "plain/0/00", "source": "plain", "t": [0.0, 0.1], "anchor": 0.05}
-    measured = {"measured": forecast["position"], "forecasts": {"tiny": forecast}}
-    write_json(folder / "shots.json", [{**shot, **measured}])
-    return folder / "shots.json"
-
-
-def _read_shots(folder: Path) -> int:
-    read_shots(folder / "shots.json")
-    return 0
-
-
-def _write_columns(folder: Path) -> Path:
-    return _copied("reports/segment/splits.csv")(_made(folder / "reports"))
-
-
-def _made(folder: Path) -> Path:
-    folder.mkdir()
-    return folder.parent
-
-
-def _read_columns(folder: Path) -> int:
-    read_columns(folder / "reports" / "segment" / "splits.csv")
-    return 0
+FORECAST = {"t": [0.1, 0.2], "position": [[0.1, 1.0, 0.3], [0.1, 0.9, 0.3]]}
+SHOT = {
+    "episode_id": "plain/0/00", "source": "plain", "t": [0.0, 0.1], "anchor": 0.05,
+    "measured": FORECAST["position"], "forecasts": {"tiny": FORECAST},
+}  # fmt: skip
 
 
 @cache
@@ -270,13 +197,12 @@ def _write_forecasts(folder: Path) -> Path:
     return path
 
 
-def _read_forecasts(folder: Path) -> int:
+def _read_forecasts(folder: Path) -> None:
     (forecast,) = read_forecasts(folder / "forecasts.parquet", _windows()).values()
     assert np.isfinite(forecast.states).all()
-    return 0
 
 
-def _write_table(stage: str, name: str) -> Callable[[Path], Path]:
+def _artifact(stage: str, name: str) -> Callable[[Path], Path]:
     def write(folder: Path) -> Path:
         write_inputs(folder, sources=("arena",))
         return folder / "artifacts" / stage / name
@@ -284,18 +210,16 @@ def _write_table(stage: str, name: str) -> Callable[[Path], Path]:
     return write
 
 
-def _read_segmented(folder: Path) -> int:
+def _read_segmented(folder: Path) -> None:
     for one in read_episodes(folder / "artifacts" / "segment", {"arena"}):
         assert np.isfinite(one.episode.positions).all()
-    return 0
 
 
-def _read_true_contacts(folder: Path) -> int:
+def _read_true_contacts(folder: Path) -> None:
     names = np.array(["arena/cannon/0", "arena/pro/2"])
     path = folder / "artifacts" / "ingest" / "true_contacts.parquet"
     for contacts in read_contacts(path, names).values():
         assert np.isfinite(contacts.states).all()
-    return 0
 
 
 def _write_timings(folder: Path) -> Path:
@@ -308,76 +232,102 @@ def _write_timings(folder: Path) -> Path:
     return path
 
 
-def _read_timings(folder: Path) -> int:
+def _read_timings(folder: Path) -> None:
     for took in kept_timings(folder, "segment").values():
         assert all(map(np.isfinite, took.values() if isinstance(took, dict) else [took]))
-    return 0
 
 
-def _read_kept_run(folder: Path) -> int:
-    compare(kept_reports(folder / "reports" / "paper"))
-    return 0
+def _of_format(hostile_files: list[bytes], *readers: tuple) -> list[Reader]:
+    """Readers of one format, each a name and how its file is written and read."""
+    return [Reader(*reader, [*hostile.NOTHING_GOOD, *hostile_files]) for reader in readers]
 
 
-SEPARATED = [*hostile.NOTHING_GOOD, *hostile.SEPARATED]
-YAML = [*hostile.NOTHING_GOOD, *hostile.YAML]
-JSON = [*hostile.NOTHING_GOOD, *hostile.JSON]
-WEIGHTS = [*hostile.NOTHING_GOOD, *hostile.WEIGHTS]
-PARQUET = [*hostile.NOTHING_GOOD, *hostile.PARQUET]
-
+ISR, COMPETITIVE = "isr_ball_prediction", "competitive_robot_table_tennis"
+PROFILE = "experiments/profiles/smoke.yaml"
+PAPER = "reports/paper/params.json"
 READERS = [
-    _source_reader("source csv", "csv", made_up.write_csv, SEPARATED),
-    _source_reader("source csv, source.yaml", "csv", _write_described_csv, YAML),
-    _source_reader("source spindoe", "spindoe", made_up.write_spindoe, SEPARATED),
-    _source_reader("source spindoe, index.csv", "spindoe", _write_index, SEPARATED),
-    _source_reader("source tt3d", "tt3d", made_up.write_tt3d, SEPARATED),
-    _source_reader(
-        "source isr_ball_prediction",
-        "isr_ball_prediction",
-        made_up.write_isr,
-        [*hostile.NOTHING_GOOD, *hostile.HDF5],
+    *_of_format(
+        hostile.SEPARATED,
+        ("source csv", made_up.write_csv, _source("csv")),
+        ("source spindoe", made_up.write_spindoe, _source("spindoe")),
+        ("source spindoe, index.csv", _write_index, _source("spindoe")),
+        ("source tt3d", made_up.write_tt3d, _source("tt3d")),
+        (
+            "report, tables",
+            _copied("reports/segment/splits.csv"),
+            lambda folder: read_columns(folder / "reports" / "segment" / "splits.csv"),
+        ),
     ),
-    _source_reader(
-        "source competitive_robot_table_tennis",
-        "competitive_robot_table_tennis",
-        made_up.write_competitive,
-        JSON,
+    *_of_format(
+        hostile.YAML,
+        ("source csv, source.yaml", _write_described_csv, _source("csv")),
+        ("params.yaml", _copied("params.yaml"), lambda folder: load_params(folder / "params.yaml")),
+        (
+            "profile",
+            _copied("params.yaml", PROFILE),
+            lambda folder: profile_flags(folder, "smoke"),
+        ),
+        ("sweep", _copied("params.yaml", SWEEP), lambda folder: Sweep(folder, "predictor")),
+        (
+            "best_params.yaml",
+            _write_best,
+            lambda folder: compared_params(Sweep(folder, "predictor")),
+        ),
+        ("simulator", _write_simulator, _read_simulator),
     ),
-    Reader("params.yaml", _copied("params.yaml"), _read_params, YAML),
-    Reader(
-        "profile", _copied("params.yaml", "experiments/profiles/smoke.yaml"), _read_profile, YAML
+    *_of_format(
+        hostile.WEIGHTS,
+        ("predictor, weights", _write_predictor("weights.safetensors"), _read_predictor),
+        ("policy, weights", _write_policy("weights.safetensors"), _read_policy),
     ),
-    Reader("sweep", _copied("params.yaml", SWEEP), _read_sweep, YAML),
-    Reader("best_params.yaml", _write_best, _read_best, YAML),
-    Reader("simulator", _write_simulator, _read_simulator, YAML),
-    Reader("predictor, weights", _write_predictor("weights.safetensors"), _read_predictor, WEIGHTS),
-    Reader(
-        "predictor, predictor.json",
-        _write_predictor("predictor.json"),
-        _read_predictor,
-        [*JSON, _huge_network()],
+    *_of_format(hostile.HDF5, (f"source {ISR}", made_up.write_isr, _source(ISR))),
+    *_of_format(
+        [*hostile.JSON, _huge_network()],
+        ("predictor, predictor.json", _write_predictor("predictor.json"), _read_predictor),
     ),
-    Reader("policy, weights", _write_policy("weights.safetensors"), _read_policy, WEIGHTS),
-    Reader("policy, policy.json", _write_policy("policy.json"), _read_policy, JSON),
-    Reader("verdict.json", _write_verdict, _read_verdict, JSON),
-    Reader("exam records", _write_records, _read_records, JSON),
-    Reader("benchmark forecasts", _write_forecasts, _read_forecasts, PARQUET),
-    Reader("manifest.json", _write_manifest, _read_manifest, JSON),
-    Reader("truth.json", _write_truth, _read_truth, JSON),
-    Reader("shots.json", _write_shots, _read_shots, JSON),
-    Reader("report, tables", _write_columns, _read_columns, SEPARATED),
-    Reader(
-        "profile's run, params.json", _copied("reports/paper/params.json"), _read_kept_run, JSON
+    *_of_format(
+        hostile.JSON,
+        (f"source {COMPETITIVE}", made_up.write_competitive, _source(COMPETITIVE)),
+        ("policy, policy.json", _write_policy("policy.json"), _read_policy),
+        (
+            "verdict.json",
+            _json("verdict.json", {"verdict": "named", "causes": [CAUSE, CAUSE]}),
+            lambda folder: read_as(folder / "verdict.json", NamedCauses, "close_gap"),
+        ),
+        ("exam records", _write_records, lambda folder: read_records(folder / "records.jsonl")),
+        (
+            "manifest.json",
+            _json("manifest.json", {"sources": {"plain": source_record("plain", "none")}}),
+            lambda folder: read_manifest(folder / "manifest.json").labelled_once,
+        ),
+        (
+            "truth.json",
+            _artifact("ingest", "truth.json"),
+            lambda folder: read_truth(folder / "artifacts" / "ingest" / "truth.json"),
+        ),
+        (
+            "shots.json",
+            _json("shots.json", [SHOT]),
+            lambda folder: read_shots(folder / "shots.json"),
+        ),
+        ("timings", _write_timings, _read_timings),
+        (
+            "profile's run, params.json",
+            _copied(PAPER),
+            lambda folder: compare(kept_reports(folder / "reports" / "paper")),
+        ),
     ),
-    Reader("timings", _write_timings, _read_timings, JSON),
-    *[
-        Reader(name, _write_table("segment", name), _read_segmented, PARQUET)
-        for name in ("episodes.parquet", "contacts.parquet", "samples.parquet")
-    ],
-    Reader(
-        "true_contacts.parquet",
-        _write_table("ingest", "true_contacts.parquet"),
-        _read_true_contacts,
-        PARQUET,
+    *_of_format(
+        hostile.PARQUET,
+        ("benchmark forecasts", _write_forecasts, _read_forecasts),
+        *[
+            (name, _artifact("segment", name), _read_segmented)
+            for name in ("episodes.parquet", "contacts.parquet", "samples.parquet")
+        ],
+        (
+            "true_contacts.parquet",
+            _artifact("ingest", "true_contacts.parquet"),
+            _read_true_contacts,
+        ),
     ),
 ]

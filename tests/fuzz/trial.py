@@ -4,8 +4,10 @@ import faulthandler
 import resource
 import signal
 import tempfile
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -54,7 +56,8 @@ def outcome(reader: Reader, folder: Path, path: Path) -> tuple[Outcome, str]:
     try:
         with limited_time():
             refused = reader.read(folder)
-        error_text: tuple[Outcome, str] = ("in_part" if refused else "accepted", "")
+        in_part = isinstance(refused, int) and refused > 0
+        error_text: tuple[Outcome, str] = ("in_part" if in_part else "accepted", "")
     except InputError as error:
         error_text = _judged(str(error), folder, path)
     except (Exception, TooLong) as error:
@@ -63,6 +66,25 @@ def outcome(reader: Reader, folder: Path, path: Path) -> tuple[Outcome, str]:
     if taken > LARGEST:
         return "fault", f"took {taken // 1000} MB"
     return ("fault", "ran code") if SENTINEL.exists() else error_text
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How often each outcome of a reader came; ``in_part``: rows were refused, and counted."""
+
+    reader: str
+    inputs: int
+    refused: int
+    in_part: int
+    accepted: int
+    faults: int
+
+
+def counted(reader: str, outcomes: Iterable[Outcome]) -> Counts:
+    """Count outcomes."""
+    found = Counter(outcomes)
+    kinds: tuple[Outcome, ...] = ("refused", "in_part", "accepted", "fault")
+    return Counts(reader, found.total(), *(found[kind] for kind in kinds))
 
 
 def _judged(message: str, folder: Path, path: Path) -> tuple[Outcome, str]:

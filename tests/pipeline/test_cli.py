@@ -10,6 +10,7 @@ from subprocess import DEVNULL
 
 import pytest
 
+from rallygap.pipeline.cli import main
 from tests.services import await_answer, free_port, listening
 
 ROOT = Path(__file__).parents[2]
@@ -19,11 +20,18 @@ RALLYGAP = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main(
 VERBS = "diagnose audit export live simulators example check profile ui sweep confirm benchmark"
 
 
-def rallygap(*words, cwd=ROOT):
-    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(cwd)}
-    return subprocess.run(
-        [*RALLYGAP, *words], cwd=cwd, env=environment, capture_output=True, text=True
-    )
+@pytest.fixture
+def rallygap(monkeypatch, capfd):
+    """Runs the command line in this process: words and a folder to status, output and errors."""
+
+    def run(*words, cwd=ROOT):
+        monkeypatch.chdir(cwd)
+        monkeypatch.setattr(sys, "argv", ["rallygap", *words])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return ended.value.code or 0, *capfd.readouterr()
+
+    return run
 
 
 @pytest.fixture
@@ -48,46 +56,48 @@ def test_help_names_every_verb_without_loading_the_libraries():
     assert "loaded set()" in shown.stdout
 
 
-def test_the_example_recordings_are_written_into_a_new_folder_only(tmp_path):
-    assert rallygap("example", "recordings", cwd=tmp_path).returncode == 0
+def test_the_example_recordings_are_written_into_a_new_folder_only(rallygap, tmp_path):
+    assert rallygap("example", "recordings", cwd=tmp_path)[0] == 0
     assert len(list((tmp_path / "recordings").glob("*.csv"))) == 30
-    refused = rallygap("example", "recordings", cwd=tmp_path)
-    assert refused.returncode == 2
-    assert refused.stderr == "rallygap: recordings: is there already; give a new folder\n"
+    refused = (2, "", "rallygap: recordings: is there already; give a new folder\n")
+    assert rallygap("example", "recordings", cwd=tmp_path) == refused
 
 
-def test_a_profile_is_printed_as_flags_from_any_folder_of_the_repository():
-    shown = rallygap("profile", "real", cwd=ROOT / "models")
-    assert shown.stdout.startswith('-S ingest.sources=["arena","spindoe",')
-    assert shown.stderr == ""
+def test_a_profile_is_printed_as_flags_from_any_folder_of_the_repository(rallygap):
+    _, shown, errors = rallygap("profile", "real", cwd=ROOT / "models")
+    assert shown.startswith('-S ingest.sources=["arena","spindoe",')
+    assert errors == ""
 
 
-def test_check_accepts_what_is_right_and_names_what_is_not(elsewhere):
-    accepted = rallygap("check", cwd=elsewhere)
-    assert (accepted.returncode, accepted.stderr) == (0, "")
-    assert "params.yaml is in order" in accepted.stdout
+def test_what_cannot_be_done_is_refused_in_one_line(rallygap, elsewhere):
+    status, shown, errors = rallygap("check", cwd=elsewhere)
+    assert (status, errors) == (0, "")
+    assert "params.yaml is in order" in shown
     params = elsewhere / "params.yaml"
     params.write_text(params.read_text().replace("longest_gap: 0.1", "longest_gap: long"))
-    refused = rallygap("check", cwd=elsewhere)
-    assert refused.returncode == 2
-    assert refused.stderr.startswith(f"rallygap: {params}, segment.longest_gap: input should be")
-    assert len(refused.stderr.splitlines()) == 1
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = str(server.getsockname()[1])
+        for words, says in (
+            (["check"], f"{params}, segment.longest_gap: input should be"),
+            (["benchmark", "export", "windows"], f"{elsewhere / 'artifacts'}: is missing, because"),
+            (["ui", "--port", port], f"--port: {port} cannot be had"),
+        ):
+            status, _, errors = rallygap(*words, cwd=elsewhere)
+            assert status == 2
+            assert errors.startswith(f"rallygap: {says}")
+            assert len(errors.splitlines()) == 1
+    for port in ("0", "65536"):
+        status, _, errors = rallygap("ui", "--port", port, cwd=elsewhere)
+        assert status == 2 and "--port" in errors
 
 
 @pytest.mark.parametrize("words", ["sweep quick", "ui"])
-def test_outside_a_clone_one_line_says_so_and_nothing_is_left(tmp_path, words):
-    refused = rallygap(*words.split(), cwd=tmp_path)
-    assert refused.returncode == 2
-    assert refused.stderr.startswith(f"rallygap: {tmp_path}: is not within a clone of rallygap")
-    assert len(refused.stderr.splitlines()) == 1
-    assert list(tmp_path.glob("[!.]*")) == []  # libraries keep caches in this home
-
-
-def test_where_nothing_has_run_what_needs_a_run_says_how_to_run(elsewhere):
-    refused = rallygap("benchmark", "export", "windows", cwd=elsewhere)
-    assert refused.returncode == 2
-    assert "artifacts: is missing, because nothing has run here" in refused.stderr
-    assert len(refused.stderr.splitlines()) == 1
+def test_outside_a_clone_one_line_says_so_and_nothing_is_left(rallygap, tmp_path, words):
+    status, _, errors = rallygap(*words.split(), cwd=tmp_path)
+    assert status == 2
+    assert errors.startswith(f"rallygap: {tmp_path}: is not within a clone of rallygap")
+    assert len(errors.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
@@ -102,22 +112,6 @@ def test_a_full_disk_is_one_line(unbuffered):
     assert finished.returncode == 2
     assert finished.stderr.startswith("rallygap: output: the disk is full")
     assert len(finished.stderr.splitlines()) == 1
-
-
-@pytest.mark.parametrize("port", ["0", "65536"])
-def test_a_port_that_is_none_is_refused(elsewhere, port):
-    refused = rallygap("ui", "--port", port, cwd=elsewhere)
-    assert refused.returncode == 2
-    assert "--port" in refused.stderr
-
-
-def test_a_port_that_is_taken_is_one_line(elsewhere):
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port = server.getsockname()[1]
-        refused = rallygap("ui", "--port", str(port), cwd=elsewhere)
-    assert refused.returncode == 2
-    assert refused.stderr.startswith(f"rallygap: --port: {port} cannot be had")
-    assert len(refused.stderr.splitlines()) == 1
 
 
 @pytest.mark.slow

@@ -86,14 +86,10 @@ def names(out):
     return [out] if isinstance(out, str) else list(out)
 
 
-def test_a_second_reproduction_does_nothing(reproduced):
+def test_a_second_reproduction_does_nothing_and_a_forced_one_gives_the_same_bytes(reproduced):
     before = digests(reproduced)
     assert "up to date" in run(reproduced, "dvc", "repro")
     assert digests(reproduced) == before
-
-
-def test_a_forced_reproduction_gives_the_same_bytes(reproduced):
-    before = digests(reproduced)
     run(reproduced, "dvc", "repro", "--force")
     assert digests(reproduced) == before
 
@@ -151,55 +147,36 @@ def test_a_killed_training_goes_on_to_the_same_bytes(reproduced):
     assert not any(path.exists() for path in left)
 
 
-def test_mlflow_has_a_parent_and_a_run_for_each_stage(tracked):
+def test_mlflow_has_a_run_for_each_stage_below_one_of_the_experiment(reproduced, tracked, flags):
     parents = {name: one.data.tags.get("mlflow.parentRunId") for name, one in tracked.items()}
     assert parents.pop("smoke") is None
     assert set(parents.values()) == {tracked["smoke"].info.run_id}
-
-
-def test_a_stage_s_run_shows_what_the_machine_did(tracked):
     metrics = {name: [*one.data.metrics] for name, one in tracked.items()}
     assert any(one.startswith("system/") for one in metrics["train_policy"])
     assert not any(one.startswith("system/") for one in metrics["smoke"])
-
-
-def test_the_experiment_s_run_has_what_changed_and_the_metrics_of_its_stages(
-    reproduced, tracked, flags
-):
-    parent = tracked["smoke"].data
     changed = {one.lstrip("+~").split("=")[0] for one in flags[1::2]}
-    assert changed and changed <= set(parent.params)
-    with_metrics = {name.split("/")[0] for name in parent.metrics}
+    assert changed and changed <= set(tracked["smoke"].data.params)
+    with_metrics = {name.split("/")[0] for name in metrics["smoke"]}
     assert with_metrics == {path.parent.name for path in reproduced.glob("reports/*/metrics.json")}
-
-
-@pytest.fixture
-def trained(reproduced, monkeypatch):
-    """The folder of the trained predictors, with MLflow's own functions at the clone's store."""
-    monkeypatch.setenv("MLFLOW_TRACKING_URI", f"sqlite:///{reproduced / 'mlflow.db'}")
-    return reproduced / "artifacts" / "train_predictor"
-
-
-def test_trainings_leave_their_curves_in_the_runs_of_their_stages(tracked):
     for stage, ending in (("train_predictor", "/validation"), ("train_policy", "/return_rate")):
-        assert any(name.endswith(ending) for name in tracked[stage].data.metrics)
+        assert any(name.endswith(ending) for name in metrics[stage])
 
 
-def test_every_trained_model_is_registered_under_a_name_of_its_own(reproduced, trained):
+def test_every_trained_model_is_registered_and_the_champion_forecasts_as_it(
+    reproduced, monkeypatch
+):
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", f"sqlite:///{reproduced / 'mlflow.db'}")
+    trained = reproduced / "artifacts" / "train_predictor"
     predictors = {f"predictor-{path.name}-arena" for path in trained.iterdir()}
     folders = (reproduced / "artifacts" / "train_policy").glob("*/policy.json")
     policies = {f"policy-{path.parent.name}" for path in folders}
     names = {model.name for model in store(reproduced).search_registered_models()}
     assert predictors | policies <= names
-
-
-def test_the_champion_forecasts_as_the_predictor_that_was_trained(reproduced, trained):
     model = mlflow.pyfunc.load_model("models:/predictor-transformer-arena@champion")
     balls = model.input_example
     forecast = model.predict(balls)
-    expected = load_predictor(trained / "transformer").predict(
-        History(balls["states"], balls["mask"])
-    )
+    predictor = load_predictor(trained / "transformer")
+    expected = predictor.predict(History(balls["states"], balls["mask"]))
     assert np.isfinite(expected.states).all()
     np.testing.assert_array_equal(forecast["states"], expected.states)
     np.testing.assert_array_equal(forecast["spin_measured"], expected.spin_measured)

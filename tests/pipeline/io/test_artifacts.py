@@ -1,5 +1,7 @@
 """Artefacts: whole or not at all, same content same bytes, one error for what cannot be read."""
 
+from contextlib import contextmanager
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -33,57 +35,41 @@ def count_groups(path):
 READERS = [read_json, read_table, read_groups, count_groups]
 
 
-def write_groups(path, *groups):
+@contextmanager
+def writing_table(path):
     with table_writer(path, TABLE.iloc[:0]) as add:
-        for group in groups:
-            add(group)
+        add(TABLE.assign(name="half"))
+        yield path
 
 
-def break_off(manager, path):
-    """Fail while the content is being written."""
-    with pytest.raises(RuntimeError), manager(path) as temporary:
-        target = temporary / "part" if temporary.is_dir() else temporary
-        target.write_text("half")
+@pytest.mark.parametrize("writing", [replacing, replacing_folder, writing_table])
+def test_what_breaks_off_leaves_the_former_and_nothing_else(tmp_path, writing):
+    path = tmp_path / "former"
+    if writing is replacing_folder:
+        path.mkdir()
+    (path / "file" if path.is_dir() else path).write_text("former")
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(RuntimeError), writing(path) as temporary:
+        if writing is not writing_table:
+            (temporary / "part" if temporary.is_dir() else temporary).write_text("half")
         raise RuntimeError
-
-
-def test_a_file_that_breaks_off_leaves_the_former_one_and_nothing_else(tmp_path):
-    path = tmp_path / "file.txt"
-    path.write_text("former")
-
-    break_off(replacing, path)
-
-    assert path.read_text() == "former"
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_folder_that_breaks_off_leaves_the_former_one_and_nothing_else(tmp_path):
-    folder = tmp_path / "folder"
-    folder.mkdir()
-    (folder / "former").touch()
-
-    break_off(replacing_folder, folder)
-
-    assert [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")] == [
-        "folder",
-        "folder/former",
-    ]
+    assert sorted(tmp_path.rglob("*")) == before
+    assert (path / "file" if path.is_dir() else path).read_text() == "former"
 
 
 def test_a_folder_takes_the_place_of_the_former_one(tmp_path):
     for content in ("first", "second"):
         with replacing_folder(tmp_path / "deep" / "folder") as folder:
             (folder / content).touch()
-
     assert [path.name for path in (tmp_path / "deep").rglob("*")] == ["folder", "second"]
 
 
-def test_json_comes_back_and_keeps_its_order(tmp_path):
+def test_json_keeps_its_order_and_text_has_unix_line_ends(tmp_path):
     content = {"z": np.int64(3), "a": [np.float64(0.1), None, "ü"], "flag": np.bool_(True)}
-
     write_json(tmp_path / "new" / "content.json", content)
-
     assert list(read_json(tmp_path / "new" / "content.json").items()) == list(content.items())
+    write_text(tmp_path / "text", "ä\nb\n")
+    assert (tmp_path / "text").read_bytes() == "ä\nb\n".encode()
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), object()])
@@ -94,60 +80,25 @@ def test_what_json_cannot_say_is_not_written(tmp_path, value):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_text_has_unix_line_ends(tmp_path):
-    write_text(tmp_path / "text", "ä\nb\n")
-
-    assert (tmp_path / "text").read_bytes() == "ä\nb\n".encode()
-
-
 def test_tables_come_back_and_the_same_table_gives_the_same_bytes(tmp_path):
-    write_table(tmp_path / "one.parquet", TABLE)
-    write_table(tmp_path / "two.parquet", TABLE.copy())
+    for name in ("one", "two"):
+        write_table(tmp_path / name, TABLE.copy())
+    pd.testing.assert_frame_equal(read_table(tmp_path / "one"), TABLE)
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
 
-    pd.testing.assert_frame_equal(read_table(tmp_path / "one.parquet"), TABLE)
-    assert (tmp_path / "one.parquet").read_bytes() == (tmp_path / "two.parquet").read_bytes()
 
-
-def test_a_table_comes_back_in_the_groups_it_was_written_in(tmp_path):
-    groups = [TABLE, TABLE.iloc[:1], TABLE.assign(name="c")]
-
+@pytest.mark.parametrize("groups", [[TABLE, TABLE.iloc[:1], TABLE.assign(name="c")], []])
+def test_a_table_comes_back_in_the_groups_it_was_written_in(tmp_path, groups):
     path = tmp_path / "table.parquet"
-    write_groups(path, *groups)
-
+    with table_writer(path, TABLE.iloc[:0]) as add:
+        for group in [*groups, TABLE.iloc[:0]]:
+            add(group)
     assert count_groups(path) == len(groups)
     for read, group in zip(read_groups(path), groups, strict=True):
         pd.testing.assert_frame_equal(read, group)
-    whole = read_table(path)
-    pd.testing.assert_frame_equal(whole, pd.concat(groups, ignore_index=True))
-
-
-def test_a_table_of_no_groups_keeps_its_columns_and_types(tmp_path):
-    write_groups(tmp_path / "table.parquet", TABLE.iloc[:0])
-
-    pd.testing.assert_frame_equal(read_table(tmp_path / "table.parquet"), TABLE.iloc[:0])
-    assert read_groups(tmp_path / "table.parquet") == []
-
-
-def test_a_table_that_breaks_off_leaves_the_former_one_and_nothing_else(tmp_path):
-    path = tmp_path / "table.parquet"
-    write_groups(path, TABLE)
-    former = path.read_bytes()
-
-    with pytest.raises(RuntimeError), table_writer(path, TABLE.iloc[:0]) as add:
-        add(TABLE.assign(name="half"))
-        raise RuntimeError
-
-    assert path.read_bytes() == former
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_chosen_columns_are_those_of_the_whole_table(tmp_path):
-    write_groups(tmp_path / "table.parquet", TABLE, TABLE)
-
-    chosen = read_table(tmp_path / "table.parquet", ["count", "name"])
-
-    whole = pd.concat([TABLE, TABLE], ignore_index=True)
-    pd.testing.assert_frame_equal(chosen, whole[["count", "name"]])
+    whole = pd.concat(groups, ignore_index=True) if groups else TABLE.iloc[:0]
+    pd.testing.assert_frame_equal(read_table(path), whole)
+    pd.testing.assert_frame_equal(read_table(path, ["count", "name"]), whole[["count", "name"]])
 
 
 @pytest.mark.parametrize("reader", READERS)
@@ -171,6 +122,5 @@ def test_a_truncated_table_is_one_error(tmp_path):
     path = tmp_path / "table.parquet"
     write_table(path, TABLE)
     path.write_bytes(path.read_bytes()[:-10])
-
     with pytest.raises(InputError, match=r"table\.parquet: is not a parquet table"):
         read_table(path)

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from pydantic import ValidationError
@@ -22,6 +22,7 @@ def test_the_default_changes_nothing():
     pd.testing.assert_frame_equal(Frame().to_table(rows), rows)
 
 
+@settings(max_examples=20)
 @given(VECTORS, st.integers(0, 2**32 - 1))
 def test_distances_speeds_and_the_turn_of_the_ball_are_kept(values, seed):
     rotation = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()

@@ -10,12 +10,9 @@ from rallygap.pipeline.io.schemas import (
     EPISODES,
     LAUNCHES,
     POINTS,
-    POSITION_COLUMNS,
     RECORDINGS,
     SAMPLES,
-    SPIN_COLUMNS,
     TRUE_CONTACTS,
-    VELOCITY_COLUMNS,
     checked,
     empty,
     read_checked,
@@ -23,151 +20,83 @@ from rallygap.pipeline.io.schemas import (
 from rallygap.pipeline.runtime.errors import InputError
 
 
-def zeros(*columns):
-    return {column: np.zeros(3) for column in columns}
+def good(contract, **changes):
+    """Three rows that keep a contract, of one recording."""
+    values = {}
+    for name, column in contract.columns.items():
+        choices = [check.statistics for check in column.checks if check.name == "isin"]
+        if column.unique:
+            values[name] = ["a", "b", "c"]
+        elif choices:
+            values[name] = [choices[0]["allowed_values"][0]] * 3
+        else:
+            values[name] = pd.Series([1, 1, 1]).astype(column.dtype.type)
+    times = {"t": [0.0, 0.1, 0.2], "start": [0.0, 2.0, 4.0], "end": [1.0, 3.0, 5.0]}
+    values |= {name: time for name, time in times.items() if name in values}
+    return pd.DataFrame({**values, **changes})
 
 
-def recordings(**changes):
-    """Three samples of one recording, without spin."""
-    spins = {column: np.full(3, np.nan) for column in SPIN_COLUMNS}
-    head = {"recording_id": ["lab/1"] * 3, "t": [0.0, 0.1, 0.2]}
-    return pd.DataFrame({**head, **zeros(*POSITION_COLUMNS), **spins, **changes})
+CONTRACTS = [RECORDINGS, LAUNCHES, POINTS, TRUE_CONTACTS, SAMPLES, CONTACTS, EPISODES]
+each = pytest.mark.parametrize("contract", CONTRACTS, ids=lambda contract: contract.name)
 
 
-def launches():
-    names = {"launch_id": ["a", "b", "c"]}
-    return pd.DataFrame({**names, **zeros(*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS)})
-
-
-def points(**changes):
-    head = {"recording_id": ["lab/1"] * 3, "start": [0.0, 2.0, 4.0], "end": [1.0, 3.0, 5.0]}
-    players = {"server": ["near"] * 3, "winner": ["far"] * 3}
-    ends = {"ended_by": ["net", "out", "missed"], "strokes": [1, 2, 3]}
-    return pd.DataFrame({**head, **players, **ends, **changes})
-
-
-def true_contacts(**changes):
-    head = {"recording_id": ["lab/1"] * 3, "t": [0.0, 0.1, 0.1]}
-    kinds = {"kind": ["launch", "net", "table"]}
-    states = zeros(*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS)
-    return pd.DataFrame({**head, **kinds, **states, **changes})
-
-
-def samples():
-    head = {"recording_id": ["lab/1"] * 3, "episode_id": ["lab/1/00"] * 3, "arc": [0, 0, 1]}
-    values = zeros(*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS)
-    return pd.DataFrame({**head, "t": [0.0, 0.1, 0.2], **values, "outlier": [False] * 3})
-
-
-def contacts():
-    head = {"recording_id": ["lab/1"] * 3, "episode_id": ["lab/1/00"] * 3, "kind": ["table"] * 3}
-    return pd.DataFrame({**head, **zeros("t", *POSITION_COLUMNS, "speed_change")})
-
-
-def episodes(**changes):
-    head = {"episode_id": ["a", "b", "c"], "recording_id": ["lab/1"] * 3, "source": ["lab"] * 3}
-    ends = {"starts_with": ["launch"] * 3, "ends_with": ["gap"] * 3}
-    counts = {"samples": [5] * 3, "outliers": [0] * 3, "bounces": [1] * 3}
-    values = {**head, **zeros("start", "end"), **ends, **counts, **zeros("residual")}
-    shares = {"unbroken": [True] * 3, "split": ["train"] * 3, "replay_set": ["none"] * 3}
-    return pd.DataFrame({**values, **shares, **changes})
-
-
-TABLES = [
-    (recordings, RECORDINGS),
-    (launches, LAUNCHES),
-    (points, POINTS),
-    (true_contacts, TRUE_CONTACTS),
-    (samples, SAMPLES),
-    (contacts, CONTACTS),
-    (episodes, EPISODES),
-]
-
-
-@pytest.mark.parametrize(("table", "contract"), TABLES)
-def test_a_good_table_passes_unchanged_and_through_a_file(tmp_path, table, contract):
-    write_table(tmp_path / "table.parquet", table())
-
+@each
+def test_a_good_table_passes_unchanged_and_through_a_file(tmp_path, contract):
+    table = good(contract)
+    write_table(tmp_path / "table.parquet", table)
     read = read_checked(tmp_path / "table.parquet", contract)
+    pd.testing.assert_frame_equal(read, checked(table, contract))
+    pd.testing.assert_frame_equal(read, table)
+    assert checked(table.iloc[:0], contract).empty
+    pd.testing.assert_frame_equal(checked(empty(contract), contract), table.iloc[:0])
 
-    pd.testing.assert_frame_equal(read, checked(table(), contract))
-    pd.testing.assert_frame_equal(read, table())
 
-
-@pytest.mark.parametrize(("table", "contract"), TABLES)
-def test_a_file_at_fault_is_named_with_the_column(tmp_path, table, contract):
+@each
+def test_a_file_at_fault_is_named_with_the_column(tmp_path, contract):
     path = tmp_path / "table.parquet"
-    good = table()
-    last = good.columns[-1]
+    table = good(contract)
+    last = table.columns[-1]
     for broken, place in (
-        (good.drop(columns=last), f"{last}: is missing; run the stage"),
-        (good.assign(extra=1), "extra: is no column of this table; run the stage"),
-        (good.assign(**{last: [[1]] * len(good)}), last),
+        (table.drop(columns=last), f"{last}: is missing; run the stage"),
+        (table.assign(extra=1), "extra: is no column of this table; run the stage"),
+        (table.assign(**{last: [[1]] * len(table)}), last),
     ):
         write_table(path, broken)
         with pytest.raises(InputError, match=rf"table\.parquet, .*{place}"):
             read_checked(path, contract)
 
 
-def test_a_displaced_column_is_named():
-    with pytest.raises(InputError, match=r"table of launches, .*is out of order"):
-        checked(launches().iloc[:, ::-1], LAUNCHES)
-
-
 @pytest.mark.parametrize(
-    ("changes", "place"),
+    ("contract", "changes", "problem"),
     [
-        ({"px": [0.0, 20.1, 0.0]}, "row 2, px: breaks in_range"),
-        ({"px": [0.0, 0.0, np.nan]}, "row 3, px: breaks not_nullable"),
-        ({"px": [0.0, -np.inf, 0.0]}, "row 2, px: breaks in_range"),
-        ({"px": ["0", "0", "0"]}, "px: breaks dtype"),
-        ({"wx": [3000.1, 0.0, 0.0]}, "row 1, wx: breaks in_range"),
-        ({"t": [0.0, 0.1, np.inf]}, "row 3, t: breaks must be finite"),
-        ({"t": [0.0, 0.1, 0.1]}, ": time must grow within every recording"),
-        ({"recording_id": [1, 2, 3]}, "recording_id: breaks dtype"),
-        ({"recording_id": ["a", None, "a"]}, "row 2, recording_id: breaks not_nullable"),
+        (RECORDINGS, {"px": [0.0, 20.1, 0.0]}, "row 2, px: breaks in_range"),
+        (RECORDINGS, {"px": [0.0, 0.0, np.nan]}, "row 3, px: breaks not_nullable"),
+        (RECORDINGS, {"px": [0.0, -np.inf, 0.0]}, "row 2, px: breaks in_range"),
+        (RECORDINGS, {"px": ["0", "0", "0"]}, "px: breaks dtype"),
+        (RECORDINGS, {"wx": [3000.1, 0.0, 0.0]}, "row 1, wx: breaks in_range"),
+        (RECORDINGS, {"t": [0.0, 0.1, np.inf]}, "row 3, t: breaks must be finite"),
+        (RECORDINGS, {"t": [0.0, 0.1, 0.1]}, ": time must grow within every recording"),
+        (RECORDINGS, {"recording_id": [1, 2, 3]}, "recording_id: breaks dtype"),
+        (RECORDINGS, {"recording_id": ["a", None, "a"]}, "row 2, .*_id: breaks not_nullable"),
+        (LAUNCHES, {"launch_id": ["a", "b", "a"]}, "row [13], launch_id"),
+        (POINTS, {"end": [1.0, 2.0, 5.0]}, "end must be after start"),
+        (POINTS, {"winner": ["far", "me", "far"]}, "row 2, winner: breaks isin"),
+        (POINTS, {"ended_by": "rain"}, "row 1, ended_by: breaks isin"),
+        (TRUE_CONTACTS, {"kind": "wall"}, "row 1, kind: breaks isin"),
+        (TRUE_CONTACTS, {"t": [0.0, 0.2, 0.1]}, ": time must not go back"),
+        (TRUE_CONTACTS, {"wx": [0.0, np.nan, 0.0]}, "row 2, wx: breaks not_nullable"),
+        (EPISODES, {"split": ["train", "test", "train"]}, ": every recording must be in one"),
+        (EPISODES, {"episode_id": ["a", "b", "a"]}, "row [13], episode_id"),
     ],
 )
-def test_a_value_that_cannot_be_is_named_with_its_place(changes, place):
-    with pytest.raises(InputError, match=f"table of recordings.*{place}"):
-        checked(recordings(**changes), RECORDINGS)
-
-
-def test_time_may_start_again_in_another_recording():
-    table = recordings(recording_id=["a", "a", "b"], t=[0.0, 0.1, 0.0])
-
-    assert checked(table, RECORDINGS)["t"].tolist() == [0.0, 0.1, 0.0]
-
-
-@pytest.mark.parametrize(
-    ("table", "contract", "problem"),
-    [
-        (points(end=[1.0, 2.0, 5.0]), POINTS, "end must be after start"),
-        (points(winner=["far", "me", "far"]), POINTS, "row 2, winner: breaks isin"),
-        (points(ended_by="rain"), POINTS, "row 1, ended_by: breaks isin"),
-        (true_contacts(kind="wall"), TRUE_CONTACTS, "row 1, kind: breaks isin"),
-        (true_contacts(t=[0.0, 0.2, 0.1]), TRUE_CONTACTS, ": time must not go back"),
-        (episodes(split=["train", "test", "train"]), EPISODES, ": every recording must be in one"),
-        (true_contacts(wx=[0.0, np.nan, 0.0]), TRUE_CONTACTS, "row 2, wx: breaks not_nullable"),
-    ],
-)
-def test_what_cannot_be_is_named(table, contract, problem):
+def test_what_cannot_be_is_named_with_its_place(contract, changes, problem):
     with pytest.raises(InputError, match=f"table of {contract.name}.*{problem}"):
-        checked(table, contract)
+        checked(good(contract, **changes), contract)
 
 
-@pytest.mark.parametrize(("table", "contract"), TABLES)
-def test_a_table_without_rows_keeps_its_contract(table, contract):
-    assert checked(table().iloc[:0], contract).empty
-    pd.testing.assert_frame_equal(checked(empty(contract), contract), table().iloc[:0])
-
-
-@pytest.mark.parametrize(
-    ("table", "contract", "column"),
-    [(launches, LAUNCHES, "launch_id"), (episodes, EPISODES, "episode_id")],
-)
-def test_an_id_is_unique(table, contract, column):
-    repeated = table().assign(**{column: ["a", "b", "a"]})
-
-    with pytest.raises(InputError, match=rf"row [13], {column}"):
-        checked(repeated, contract)
+def test_a_displaced_column_is_named_and_what_may_be_passes():
+    with pytest.raises(InputError, match=r"table of launches, .*is out of order"):
+        checked(good(LAUNCHES).iloc[:, ::-1], LAUNCHES)
+    table = good(RECORDINGS, recording_id=["a", "a", "b"], t=[0.0, 0.1, 0.0], wx=np.nan)
+    assert checked(table, RECORDINGS)["t"].tolist() == [0.0, 0.1, 0.0]
+    checked(good(TRUE_CONTACTS, t=[0.0, 0.1, 0.1]), TRUE_CONTACTS)

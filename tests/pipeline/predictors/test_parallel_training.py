@@ -24,7 +24,7 @@ def job(folder, shape=TINY, settings=BRIEF):
 def test_the_steps_of_a_training_are_known_before_it_begins(tmp_path, monkeypatch):
     monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
     totals = []
-    monkeypatch.setattr(predictor_training, "progress_bars", watching(totals))
+    monkeypatch.setattr(predictor_training, "WatchedBars", watching(totals))
     train_networks([job(tmp_path, TINY, changed(BRIEF, batch=7)), job(tmp_path, TINY_TAE)])
     assert totals == [{"transformer": 12, "tae": 9}, [12, 9]]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load, save
 
 from rallygap.models.predictors.learned import LearnedPredictor
 from rallygap.models.predictors.spread import Spread
@@ -27,7 +27,6 @@ from tests.models.predictors.small_training import (
     BRIEF,
     NETWORKS,
     TINY,
-    network,
     small_training,
 )
 
@@ -77,26 +76,6 @@ def test_a_network_of_every_kind_comes_back(tmp_path, kind):
     assert f"kind {kind}" in (tmp_path / kind / CARD).read_text()
 
 
-def damaged(folder, name, content):
-    (folder / name).write_bytes(content)
-
-
-def with_another_network(folder):
-    content = json.loads((folder / DESCRIPTION).read_text())
-    content["network"]["width"] = 2 * content["network"]["width"]
-    damaged(folder, DESCRIPTION, json.dumps(content).encode())
-
-
-def without_a_tensor(folder):
-    weights = load_file(folder / WEIGHTS)
-    del weights["network.projection.bias"]
-    save_file(weights, folder / WEIGHTS)
-
-
-def cut_short(folder):
-    damaged(folder, WEIGHTS, (folder / WEIGHTS).read_bytes()[:-100])
-
-
 class Trap:
     """What runs code when it is unpickled."""
 
@@ -104,44 +83,44 @@ class Trap:
         return pytest.fail, ("a pickle was opened",)
 
 
-DAMAGES = {
-    "no weights": (lambda folder: (folder / WEIGHTS).unlink(), WEIGHTS, "run the stage"),
-    "no description": (
-        lambda folder: (folder / DESCRIPTION).unlink(),
-        DESCRIPTION,
-        "run the stage",
-    ),
-    "cut short": (cut_short, WEIGHTS, "is not a file of weights"),
-    "empty": (lambda folder: damaged(folder, WEIGHTS, b""), WEIGHTS, "is not a file of weights"),
-    "pickled": (
-        lambda folder: damaged(folder, WEIGHTS, pickle.dumps(Trap())),
-        WEIGHTS,
-        "is not a file of weights",
-    ),
-    "another network": (with_another_network, WEIGHTS, "does not fit the network"),
-    "no spread": (lambda folder: (folder / SPREAD).unlink(), SPREAD, "run the stage"),
-    "a tensor lost": (without_a_tensor, WEIGHTS, "see network.projection.bias"),
-    "no JSON": (lambda folder: damaged(folder, DESCRIPTION, b'{"name":'), DESCRIPTION, "not JSON"),
-    "other JSON": (lambda folder: damaged(folder, DESCRIPTION, b"{}"), DESCRIPTION, "name"),
-}
+def with_another_network(text):
+    content = json.loads(text)
+    content["network"]["width"] = 2 * content["network"]["width"]
+    return json.dumps(content).encode()
 
 
-@pytest.mark.parametrize(("damage", "name", "problem"), DAMAGES.values(), ids=DAMAGES)
-def test_what_cannot_be_loaded_is_an_error_that_names_the_file(folder, damage, name, problem):
-    damage(folder)
+def without_a_tensor(content):
+    weights = load(content)
+    del weights["network.projection.bias"]
+    return save(weights)
+
+
+NO_WEIGHTS = "is not a file of weights"
+
+
+@pytest.mark.parametrize(
+    ("name", "damage", "at_fault", "problem"),
+    [
+        (WEIGHTS, None, WEIGHTS, "run the stage"),
+        (DESCRIPTION, None, DESCRIPTION, "run the stage"),
+        (SPREAD, None, SPREAD, "run the stage"),
+        (WEIGHTS, lambda content: content[:-100], WEIGHTS, NO_WEIGHTS),
+        (WEIGHTS, lambda _: b"", WEIGHTS, NO_WEIGHTS),
+        (WEIGHTS, lambda _: pickle.dumps(Trap()), WEIGHTS, NO_WEIGHTS),
+        (WEIGHTS, without_a_tensor, WEIGHTS, "see network.projection.bias"),
+        (DESCRIPTION, with_another_network, WEIGHTS, "does not fit the network"),
+        (DESCRIPTION, lambda _: b'{"name":', DESCRIPTION, "not JSON"),
+        (DESCRIPTION, lambda _: b"{}", DESCRIPTION, "name"),
+    ],
+)
+def test_what_cannot_be_loaded_is_an_error_that_names_the_file(
+    folder, name, damage, at_fault, problem
+):
+    path = folder / name
+    content = path.read_bytes()
+    path.unlink()
+    if damage is not None:
+        path.write_bytes(damage(content))
     with pytest.raises(InputError, match=problem) as error:
         load_predictor(folder)
-    assert error.value.where == str(folder / name)
-
-
-def test_saving_that_fails_leaves_the_former_predictor_and_nothing_else(folder, monkeypatch):
-    before = {path: path.read_bytes() for path in folder.parent.rglob("*") if path.is_file()}
-
-    def fail(*_):
-        raise OSError("the disk is full")
-
-    monkeypatch.setattr("rallygap.pipeline.predictors.storage.write_text", fail)
-    with pytest.raises(OSError, match="full"):
-        save_predictor(folder, network(seed=1), Spread(), description(name="other"))
-    after = {path: path.read_bytes() for path in folder.parent.rglob("*") if path.is_file()}
-    assert after == before
+    assert error.value.where == str(folder / at_fault)

@@ -38,5 +38,5 @@ def test_libraries_use_one_thread_and_nothing_wider_than_avx2():
 
 
 def test_who_sets_another_arithmetic_keeps_it():
-    program = "import os, pipeline; print(os.environ['OPENBLAS_CORETYPE'])"
+    program = "import os, rallygap.stages; print(os.environ['OPENBLAS_CORETYPE'])"
     assert fresh(program, OPENBLAS_CORETYPE="Zen") == ["Zen"]

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import psutil
@@ -25,15 +24,20 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_a_second_run_of_a_stage_waits_for_the_first(folder, monkeypatch, capsys):
-    program = (
-        "from rallygap.pipeline.runtime.guard import guarded\n"
-        "with guarded('segment'): print('in', flush=True); input(); open('ended', 'w')"
-    )
+def program(text, folder, **streams):
+    """Start a program in a folder."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    first = subprocess.Popen(
-        [sys.executable, "-c", program], cwd=folder, env=environment,
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    command = [sys.executable, "-c", text]
+    return subprocess.Popen(command, cwd=folder, env=environment, text=True, **streams)
+
+
+def test_a_second_run_of_a_stage_waits_for_the_first_and_not_for_a_killed_one(
+    folder, monkeypatch, capsys
+):
+    first = program(
+        "from rallygap.pipeline.runtime.guard import guarded\n"
+        "with guarded('segment'): print('in', flush=True); input(); open('ended', 'w')",
+        folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
     )  # fmt: skip
     assert first.stdout.readline() == "in\n"
     with guarded("ingest"):  # another stage does not
@@ -49,27 +53,10 @@ def test_a_second_run_of_a_stage_waits_for_the_first(folder, monkeypatch, capsys
         assert (folder / "ended").exists()
     ending.join()
     assert "another run of segment is at work here" in capsys.readouterr().err
-
-
-def test_a_killed_run_locks_nobody_out(folder, capsys):
-    program = (
-        "import os, signal\nfrom rallygap.pipeline.runtime.guard import guarded\n"
-        "with guarded('segment'): os.kill(os.getpid(), signal.SIGKILL)"
-    )
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    killed = subprocess.run([sys.executable, "-c", program], cwd=folder, env=environment)
-    assert killed.returncode == -signal.SIGKILL
+    killed = program(KILLED, folder)
+    assert killed.wait() == -signal.SIGKILL
     with guarded("segment"):
         assert capsys.readouterr().err == ""  # nobody is waited for
-
-
-def test_a_stop_signal_unwinds_the_stage():
-    before = signal.getsignal(signal.SIGTERM)
-    with pytest.raises(SystemExit) as stopped, guarded("segment"):
-        os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(5)
-    assert stopped.value.code == 128 + signal.SIGTERM
-    assert signal.getsignal(signal.SIGTERM) == before
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES])
@@ -79,13 +66,15 @@ def test_what_a_disk_refuses_is_one_line_with_the_file(number):
         guarded("segment"),
     ):
         raise OSError(number, os.strerror(number), "balls.parquet")
-
-
-def test_other_errors_are_not_hidden():
-    with pytest.raises(FileNotFoundError), guarded("segment"):
+    with pytest.raises(FileNotFoundError), guarded("segment"):  # others are not hidden
         raise FileNotFoundError(errno.ENOENT, "none", "balls.parquet")
 
 
+KILLED = """
+import os, signal
+from rallygap.pipeline.runtime.guard import guarded
+with guarded("segment"): os.kill(os.getpid(), signal.SIGKILL)
+"""
 AT_WORK = """
 import time
 from joblib import Parallel, delayed
@@ -97,12 +86,13 @@ with guarded("segment"):
 """
 
 
-def test_a_stop_signal_ends_the_workers_too(folder):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    stage = subprocess.Popen(
-        [sys.executable, "-c", AT_WORK], cwd=folder, env=environment,
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-    )  # fmt: skip
+def test_a_stop_signal_unwinds_the_stage_and_ends_the_workers_too(folder):
+    before = signal.getsignal(signal.SIGTERM)
+    with guarded("ingest"):
+        assert signal.getsignal(signal.SIGTERM) != before
+    assert signal.getsignal(signal.SIGTERM) == before
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+    stage = program(AT_WORK, folder, **streams)
     assert stage.stdout.readline() == "at work\n"
     workers = psutil.Process(stage.pid).children(recursive=True)
     assert len(workers) >= 2

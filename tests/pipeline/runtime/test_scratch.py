@@ -6,7 +6,6 @@ import threading
 import pytest
 import yaml
 
-from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.provenance import provenance
 from rallygap.pipeline.runtime.scratch import keep_timings, kept_timings, scratch_kept
@@ -80,26 +79,16 @@ def test_in_the_repository_itself_nothing_is_linked(home, monkeypatch):
         assert list(home.iterdir()) == []
 
 
-@pytest.fixture
-def fingerprint(home):
-    """That of the stage `segment` with its present inputs."""
+def test_timings_are_those_of_a_run_with_the_present_inputs_or_one_error(home):
     stage = {"cmd": "a", "deps": [], "params": ["gap"]}
     (home / "dvc.yaml").write_text(yaml.safe_dump({"stages": {"segment": stage}}))
     (home / "params.yaml").write_text("gap: 0.1\n")
-    return provenance(home, "segment").fingerprint
-
-
-def test_timings_are_those_of_a_run_with_the_present_inputs(home, fingerprint):
+    present = provenance(home, "segment").fingerprint
     keep_timings("segment", OTHER, {"net": {"training_s": 5}})
     assert kept_timings(home, "segment") == {}
-    keep_timings("segment", fingerprint, {"net": {"training_s": 3}})
+    keep_timings("segment", present, {"net": {"training_s": 3}})
     assert kept_timings(home, "segment") == {"net": {"training_s": 3}}
-
-
-@pytest.mark.parametrize("content", [7, [], {"net": "long"}, {"net": {"training_s": None}}])
-def test_broken_timings_are_one_error(home, fingerprint, content):
-    keep_timings("segment", fingerprint, {"net": 3.0})
-    (file,) = home.glob("timings/segment/*.json")
-    write_json(file, content)
-    with pytest.raises(InputError, match=file.name):
-        kept_timings(home, "segment")
+    for content in (7, [0], {"net": "long"}, {"net": {"training_s": None}}):
+        keep_timings("segment", present, content)
+        with pytest.raises(InputError, match=present[:12]):
+            kept_timings(home, "segment")

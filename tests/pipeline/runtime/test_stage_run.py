@@ -65,17 +65,13 @@ def exit_status(stage):
     return caught.value.code
 
 
-def test_a_run_leaves_artefacts_tables_and_metrics(repository):
+def test_a_run_leaves_artefacts_tables_and_metrics_with_the_same_bytes_each_time(repository):
     run_stage(segment)
     for name in ("episodes", "report/values"):
         kept = pd.read_parquet(f"artifacts/segment/{name}.parquet")
         assert kept["value"].tolist() == [1 / 3, 2.0]
     assert Path("reports/segment/values.csv").read_text() == "name,value\na,0.3333\nb,2\n"
     assert json.loads(Path("reports/segment/metrics.json").read_text()) == {"a": {"mean": 1 / 3}}
-
-
-def test_the_same_inputs_give_the_same_bytes(repository):
-    run_stage(segment)
     first = files(repository)
     run_stage(segment)
     assert files(repository) == first
@@ -103,9 +99,6 @@ def test_an_input_error_is_one_line_and_leaves_nothing(repository, capsys):
     assert exit_status(segment_badly) == 2
     assert capsys.readouterr().err == "rallygap: balls.csv, row 3: is empty\n"
     assert files(repository / "artifacts") == files(repository / "reports") == {}
-
-
-def test_a_missing_input_is_one_line(repository, capsys):
     shutil.rmtree(repository / "code")
     assert exit_status(segment) == 2
     problem = "is missing; `dvc repro` runs the stage that writes it"
@@ -159,16 +152,6 @@ def segment_at_length(run: StageRun) -> None:
 segment_at_length.__name__ = "segment"
 
 
-def test_a_failed_run_leaves_its_scratch_to_the_next_and_nothing_else(repository):
-    for _ in range(2):
-        with pytest.raises(RuntimeError, match="early"):
-            run_stage(segment_at_length)
-    assert files(repository / "artifacts") == files(repository / "reports") == {}
-    assert not Path("timings").exists()
-    run_stage(segment_at_length)
-    assert files(repository / "scratch") == {}
-
-
 def test_a_run_with_other_inputs_does_not_take_up_the_scratch(repository):
     for text in ("2", "3"):
         (repository / "code" / "a.py").write_text(text)
@@ -178,13 +161,18 @@ def test_a_run_with_other_inputs_does_not_take_up_the_scratch(repository):
     assert counts == ["1", "1"]
 
 
-def test_timings_are_not_written_into_the_outputs(repository, monkeypatch):
+def test_a_failed_run_leaves_its_scratch_to_the_next_and_timings_are_in_no_output(
+    repository, monkeypatch
+):
     monkeypatch.setattr(run_module, "recorded", tracking.recorded)
     monkeypatch.setattr(tracking, "attempt", lambda *_: None)
     for _ in range(2):
         with pytest.raises(RuntimeError, match="early"):
             run_stage(segment_at_length)
+    assert files(repository / "artifacts") == files(repository / "reports") == {}
+    assert not Path("timings").exists()
     run_stage(segment_at_length)
+    assert not list((repository / "scratch" / "segment").glob("*"))
     (kept,) = Path("timings/segment").glob("*.json")
     assert json.loads(kept.read_text()) == {"counting": {"runs": 3}}
     outputs = {**files(repository / "artifacts"), **files(repository / "reports")}

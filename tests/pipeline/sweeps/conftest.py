@@ -4,9 +4,9 @@ from contextlib import nullcontext
 
 import pytest
 
-from rallygap.pipeline.sweeps import trial
+from rallygap.pipeline.sweeps import study
 
 
 @pytest.fixture(autouse=True)
 def unrecorded(monkeypatch):
-    monkeypatch.setattr(trial, "recording", lambda *_: nullcontext())
+    monkeypatch.setattr(study, "recording", lambda *_: nullcontext())

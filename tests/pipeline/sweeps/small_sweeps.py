@@ -6,9 +6,8 @@ from pathlib import Path
 
 from ruamel.yaml import YAML
 
-from rallygap.pipeline.sweeps.settings import load_sweep
-from rallygap.pipeline.sweeps.study import open_study
-from rallygap.pipeline.sweeps.worker import run_trials
+from rallygap.pipeline.sweeps.settings import Sweep
+from rallygap.pipeline.sweeps.study import open_study, run_trials
 
 ROOT = Path(__file__).parents[3]
 RATE = "train_predictor.training.learning_rate"
@@ -37,7 +36,7 @@ def small_sweep(root, **changes):
     (root / "artifacts" / "segment").mkdir(parents=True, exist_ok=True)
     settings = {key: value for key, value in {**SETTINGS, **changes}.items() if value is not None}
     write_yaml(root / "experiments" / "profiles" / "sweeps" / "tiny.yaml", settings)
-    return load_sweep(root, "tiny")
+    return Sweep(root, "tiny")
 
 
 def write_yaml(path, content):

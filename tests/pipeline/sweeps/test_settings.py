@@ -3,13 +3,13 @@
 import pytest
 
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.sweeps.settings import load_sweep
+from rallygap.pipeline.sweeps.settings import Sweep
 from tests.pipeline.sweeps.small_sweeps import HEADS, RATE, ROOT, SETTINGS, small_sweep
 
 
 @pytest.mark.parametrize("name", ["predictor", "policy", "quick"])
 def test_the_first_trial_of_a_committed_sweep_has_the_parameters_of_params_yaml(name):
-    sweep = load_sweep(ROOT, name)
+    sweep = Sweep(ROOT, name)
     defaults = sweep.defaults()
     assert defaults is not None
     assert sweep.trial_params(defaults) == sweep.trial_params({})
@@ -50,7 +50,7 @@ def test_invalid_settings_are_refused(tmp_path, changes, says):
 def test_an_unknown_sweep_is_refused_with_the_known_names(tmp_path):
     small_sweep(tmp_path)
     with pytest.raises(InputError, match="there are: tiny"):
-        load_sweep(tmp_path, "wide")
+        Sweep(tmp_path, "wide")
 
 
 def test_other_data_or_another_space_make_another_study_but_more_trials_do_not(tmp_path):

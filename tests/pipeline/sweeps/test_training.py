@@ -18,13 +18,12 @@ from rallygap.pipeline.params import load_params
 from rallygap.pipeline.policies import training as policy_training
 from rallygap.pipeline.policies.training import TrainingJob, train_policies
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.sweeps.comparison import Comparison
+from rallygap.pipeline.sweeps.comparison import comparison
 from rallygap.pipeline.sweeps.confirm import compared_params, run_confirm
 from rallygap.pipeline.sweeps.policy import described
 from rallygap.pipeline.sweeps.predictor import PredictorTraining
-from rallygap.pipeline.sweeps.settings import load_sweep
-from rallygap.pipeline.sweeps.study import open_study
-from rallygap.pipeline.sweeps.trial import training_of
+from rallygap.pipeline.sweeps.settings import Sweep
+from rallygap.pipeline.sweeps.study import open_study, training_of
 from tests.models.policy.schooling import BRIEF
 from tests.pipeline.measured_shots import shot_tables, write_inputs
 from tests.pipeline.sweeps.small_sweeps import RATE, ROOT, SETTINGS, small_sweep, write_yaml
@@ -66,22 +65,19 @@ def policy_sweep(root):
 def test_a_predictor_is_scored_by_its_validation_loss_after_every_epoch(tmp_path):
     sweep, reports = predictor_sweep(tmp_path), []
     params = sweep.trial_params({RATE: 0.01})
-    score = training_of(sweep)(params, tmp_path / "one", lambda *one: reports.append(one))
-    fitted = PredictorTraining(tmp_path, sweep.settings, params).fit(params, tmp_path / "other")
+    training = PredictorTraining(tmp_path, sweep.settings, params)
+    score = training.score(params, tmp_path / "trial", lambda *one: reports.append(one))
+    fitted = training.fit(params, tmp_path / "trial")  # it is done
     assert reports == [(row["epoch"], row["validation"]) for row in fitted.curve]
     assert score == reports[-1][1]
 
-
-def test_a_pruned_predictor_is_trained_no_further(tmp_path):
-    sweep, epochs = predictor_sweep(tmp_path), []
-
-    def report(epoch, loss):
-        epochs.append(epoch)
+    def prune(*report):
+        reports.append(report)
         raise TrialPruned
 
     with pytest.raises(TrialPruned):
-        training_of(sweep)(sweep.trial_params({RATE: 0.01}), tmp_path / "trial", report)
-    assert epochs == [1]
+        training_of(sweep)(params, tmp_path / "pruned", prune)
+    assert len(reports) == 3  # it is trained no further
 
 
 def brief(params):
@@ -94,19 +90,19 @@ def test_a_policy_is_scored_by_its_return_rate_after_every_iteration(tmp_path):
     sweep, reports = policy_sweep(tmp_path), []
     params = brief(sweep.trial_params({}))
     score = training_of(sweep)(params, tmp_path / "trial", lambda *one: reports.append(one))
-    job = TrainingJob(described(sweep.settings, params), tmp_path / "stage")
-    curve = train_policies([job])[0].curve
+    job = TrainingJob(described(sweep.settings, params), tmp_path / "trial")
+    curve = train_policies([job])[0].curve  # they are done
     assert reports == list(enumerate(curve["return_rate"], start=1))
     assert score == reports[-1][1]
 
 
 def compared(params, found, smaller=True):
-    measured = np.array([params, found], dtype=float)[..., None]
-    groups = np.tile(np.arange(measured.shape[2]), (measured.shape[1], 1))
-    return Comparison(["error"], smaller, measured[0], measured[1], groups).table(seed=0).iloc[0]
+    results = np.concatenate([params, found])[..., None]
+    groups = np.tile(np.arange(params.shape[1]), (len(params), 1))
+    return comparison(["error"], smaller, results, groups, seed=0).iloc[0]
 
 
-def test_a_difference_on_every_shot_and_with_every_seed_holds():
+def test_a_difference_holds_on_every_shot_and_with_every_seed_alone():
     random = np.random.default_rng(0)
     hard = random.uniform(10, 20, (3, 40))
     better = compared(hard, hard - random.uniform(0.1, 0.3, (3, 40)))
@@ -115,14 +111,8 @@ def test_a_difference_on_every_shot_and_with_every_seed_holds():
     assert -0.3 < better["ci_low"] < better["difference"] < better["ci_high"] < -0.1
     assert not compared(hard, hard + 0.2)["holds"]
     assert compared(hard, hard + 0.2, smaller=False)["holds"]
-
-
-def test_a_difference_that_one_seed_contradicts_or_noise_explains_does_not_hold():
-    random = np.random.default_rng(0)
-    hard = random.uniform(10, 20, (3, 40))
-    contradicted = hard - np.array([[0.5], [0.5], [-0.01]])
-    assert compared(hard, contradicted)["ci_high"] < 0
-    assert not compared(hard, contradicted)["holds"]
+    contradicted = compared(hard, hard - np.array([[0.5], [0.5], [-0.01]]))
+    assert contradicted["ci_high"] < 0 and not contradicted["holds"]
     noise = random.normal(0, 1, 40)
     assert not compared(hard, hard + noise - noise.mean() - 0.01)["holds"]
 
@@ -139,16 +129,13 @@ def small(root, **changes):
     write_yaml(params, merged(settings, changes))
 
 
-def test_best_parameters_of_an_earlier_sweep_are_read_under_todays_names(tmp_path):
-    sweep = predictor_sweep(tmp_path)
+def test_best_parameters_are_read_under_todays_names_and_without_an_alias(tmp_path):
+    sweep = small_sweep(tmp_path)
+    with pytest.raises(InputError, match="run `rallygap sweep tiny`"):
+        run_confirm(sweep)
     best = {"train_predictor": {"training": {"longest_gradient": 4.31}}}
     write_yaml(sweep.report / "best_params.yaml", best)
     assert compared_params(sweep)[1].train_predictor.training.max_gradient_norm == 4.31
-
-
-def test_best_parameters_that_hold_themselves_are_one_error(tmp_path):
-    sweep = predictor_sweep(tmp_path)
-    write_yaml(sweep.report / "best_params.yaml", {})
     (sweep.report / "best_params.yaml").write_text("a: &a {b: *a}")
     with pytest.raises(InputError, match=r"best_params\.yaml: is not plain YAML"):
         compared_params(sweep)
@@ -159,7 +146,7 @@ def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
     # At its first step the learning rate is zero.
     network = {"transformer": {"width": 16}}
     small(tmp_path, train_predictor={"training": {"epochs": 3}, "networks": network})
-    sweep = load_sweep(tmp_path, "tiny")
+    sweep = Sweep(tmp_path, "tiny")
     table = confirmed(sweep, {"train_predictor": {"training": {"learning_rate": 0.02}}})
     assert table["measure"].tolist()[:2] == [
         "position error, 100 to 300 ms (mm)",
@@ -179,17 +166,12 @@ def test_policies_are_confirmed_on_unseen_shots_with_three_seeds(tmp_path):
     policy_sweep(tmp_path)
     groups = {"sim2sim": {"learning": BRIEF.model_copy(update={"iterations": 1}).model_dump()}}
     small(tmp_path, train_policy={"groups": groups, "trials": 10})
-    sweep = load_sweep(tmp_path, "tiny")
+    sweep = Sweep(tmp_path, "tiny")
     group = {"sim2sim": {"learning": {"discount": 0.9}}}
     table = confirmed(sweep, {"train_policy": {"groups": group}})
     assert table["measure"].tolist() == ["return rate", "hit rate"]
     assert table["n"].tolist() == [30, 30]
     assert table["params"].between(0, 1).all()
-
-
-def test_a_sweep_is_confirmed_after_it_was_run(tmp_path):
-    with pytest.raises(InputError, match="run `rallygap sweep tiny`"):
-        run_confirm(small_sweep(tmp_path))
 
 
 def test_there_is_nothing_to_confirm_if_no_trial_is_better_than_params(tmp_path, monkeypatch):
@@ -252,7 +234,7 @@ def test_a_sweep_in_postgresql_records_every_trial_and_leaves_the_password_nowhe
     tmp_path, postgres_url
 ):
     predictor_sweep(tmp_path)
-    open_study(load_sweep(tmp_path, "tiny"), postgres_url)  # two cannot make the tables at once
+    open_study(Sweep(tmp_path, "tiny"), postgres_url)  # two cannot make the tables at once
     message = sweep_with_two_workers(tmp_path, RALLYGAP_STUDY=postgres_url)
     assert_recorded(tmp_path)
     kept = [path for path in tmp_path.rglob("*") if path.is_file()]

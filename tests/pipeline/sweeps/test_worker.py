@@ -1,58 +1,48 @@
 """Workers share a study; it survives the death of any of them."""
 
-import os
-import subprocess
-import sys
+import multiprocessing
 import time
 from contextlib import contextmanager
 from functools import partial
 
 import pandas as pd
 import pytest
+from filelock import FileLock, Timeout
 from optuna.trial import TrialState
 
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sweeps import study as study_module
-from rallygap.pipeline.sweeps.study import ended, open_study, retry_lost
-from rallygap.pipeline.sweeps.worker import run_sweep
-from tests.pipeline.sweeps.small_sweeps import HEADS, ROOT, run, small_sweep
+from rallygap.pipeline.sweeps.study import PROCESS, ended, open_study, retry_lost, run_sweep
+from tests.pipeline.sweeps.small_sweeps import HEADS, run, small_sweep, valley
 
-# A worker on the repository argv[1] until argv[2] trials; a trial says so and waits while the file
-# "hold" exists.
-SCRIPT = """
-import os, sys, time
-from contextlib import nullcontext
-from pathlib import Path
-from rallygap.pipeline.sweeps import study, trial, worker
-from rallygap.pipeline.sweeps.settings import load_sweep
-from tests.pipeline.sweeps.small_sweeps import valley
 
-root = Path(sys.argv[1])
+def work(sweep, wanted, url, started):
+    """Be a worker; a trial says so and waits while the file "hold" exists."""
 
-def held(params, folder, report):
-    print("started", flush=True)
-    while (root / "hold").exists():
-        time.sleep(0.05)
-    return valley(params, folder, report)
+    def held(params, folder, report):
+        started.set()
+        while (sweep.root / "hold").exists():
+            time.sleep(0.05)
+        return valley(params, folder, report)
 
-trial.recording = lambda *_: nullcontext()
-worker.training_of = lambda sweep: held
-study.HEARTBEAT, study.GRACE = 1, 3
-worker.run_sweep(load_sweep(root, "tiny"), os.environ.get("RALLYGAP_STUDY"), int(sys.argv[2]))
-"""
+    study_module.training_of = lambda sweep: held
+    study_module.HEARTBEAT, study_module.GRACE = 1, 3
+    run_sweep(sweep, url, wanted)
 
 
 @contextmanager
 def start(sweep, wanted, url=None):
-    """A worker of a sweep, killed at the end of the block."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)} | ({"RALLYGAP_STUDY": url} if url else {})
-    command = [sys.executable, "-c", SCRIPT, sweep.root, str(wanted)]
-    options = {"stdout": subprocess.PIPE, "text": True, "env": environment, "cwd": ROOT}
-    with subprocess.Popen(command, **options) as process:
-        try:
-            yield process
-        finally:
-            process.kill()
+    """A worker of a sweep that is at a trial, killed at the end of the block."""
+    context = multiprocessing.get_context("fork")
+    started = context.Event()
+    process = context.Process(target=work, args=[sweep, wanted, url, started])
+    process.start()
+    try:
+        assert started.wait(300)
+        yield process
+    finally:
+        process.kill()
+        process.join()
 
 
 def table(study):
@@ -63,23 +53,28 @@ def states(study):
     return [one.state for one in study.trials]
 
 
-def test_one_worker_tries_the_same_from_the_same_seed_and_finds_the_minimum(tmp_path):
-    studies = [run(small_sweep(tmp_path / name), 20) for name in ("one", "other")]
-    assert table(studies[0]) == table(studies[1])
-    assert studies[0].trials[0].params == small_sweep(tmp_path / "one").defaults()
-    assert studies[0].best_value < 0.34 < studies[0].trials[0].value
-
-
 def test_a_resumed_study_tries_the_same_as_one_without_a_break(tmp_path):
+    sweep = small_sweep(tmp_path / "resumed")
     for wanted in (2, 7, 12):
-        resumed = run(small_sweep(tmp_path / "resumed"), wanted)
-        assert ended(resumed) == wanted
-    assert table(resumed) == table(run(small_sweep(tmp_path / "whole"), 12))
+        assert ended(run(sweep, wanted)) == wanted
+    whole = run(small_sweep(tmp_path / "whole"), 20)
+    assert table(run(sweep, 20)) == table(whole)
+    assert whole.trials[0].params == sweep.defaults()
+    assert whole.best_value < 0.34 < whole.trials[0].value
 
 
-def test_a_space_without_the_values_of_params_yaml_starts_with_a_draw(tmp_path):
-    study = run(small_sweep(tmp_path, space={HEADS: [2, 8]}), 1)
-    assert study.trials[0].params[HEADS] in (2, 8)
+@pytest.mark.parametrize("score", [float("nan"), float("inf")])
+def test_trials_whose_score_is_not_finite_are_pruned_and_without_others_there_is_no_report(
+    tmp_path, monkeypatch, score
+):
+    sweep = small_sweep(tmp_path, space={HEADS: [2, 8]})  # without the value of params.yaml
+    monkeypatch.setattr(
+        study_module, "training_of", lambda sweep: lambda params, folder, report: report(1, score)
+    )
+    with pytest.raises(InputError, match="no trial was completed"):
+        run_sweep(sweep, None, 2)
+    assert states(open_study(sweep, None)) == [TrialState.PRUNED] * 2
+    assert not sweep.report.exists()
 
 
 @pytest.mark.parametrize("first_steps", [0, 1])
@@ -91,14 +86,6 @@ def test_trials_worse_than_the_median_are_pruned_after_the_first_steps(tmp_path,
     assert all(first_steps < one.last_step < 3 for one in pruned)
     assert min(one.intermediate_values[1] for one in pruned) > study.best_value
     assert ended(study) == 15
-
-
-def diverging(params, folder, report):
-    report(1, float("nan"))
-
-
-def test_a_trial_whose_score_is_not_finite_is_pruned(tmp_path):
-    assert states(run(small_sweep(tmp_path), 2, diverging)) == [TrialState.PRUNED] * 2
 
 
 def test_values_that_are_invalid_together_are_pruned(tmp_path):
@@ -130,19 +117,46 @@ def test_workers_share_a_study_and_the_next_one_retries_the_trial_of_a_killed_on
     sweep = small_sweep(tmp_path)
     (tmp_path / "hold").touch()
     with start(sweep, 5) as lost, start(sweep, 5) as other:
-        assert lost.stdout.readline() == other.stdout.readline() == "started\n"
         lost.kill()
-        lost.wait()
+        lost.join()
         with start(sweep, 5) as late:
-            assert late.stdout.readline() == "started\n"
             (tmp_path / "hold").unlink()
-            assert [other.wait(300), late.wait(300)] == [0, 0]
+            other.join()
+            late.join()
+            assert (other.exitcode, late.exitcode) == (0, 0)
     study = open_study(sweep, None)
     assert ended(study) in (5, 6)  # both may begin a fifth
+    assert_retried(study)
+    assert len(pd.read_csv(sweep.report / "trials.csv")) == ended(study)
+
+
+def assert_retried(study):
+    """One trial was lost, and its parameters were tried again."""
     (failed,) = [one for one in study.trials if one.state == TrialState.FAIL]
     again = [one for one in study.trials if one.system_attrs.get("failed_trial") == failed.number]
     assert [one.params for one in again] == [failed.params]
-    assert len(pd.read_csv(sweep.report / "trials.csv")) == ended(study)
+
+
+def test_the_report_is_written_by_one_worker_at_a_time(tmp_path, monkeypatch):
+    sweep = small_sweep(tmp_path)
+
+    def reported(sweep, study):
+        with pytest.raises(Timeout):
+            FileLock(sweep.scratch / "lock").acquire(timeout=0)
+        return ["reported"]
+
+    monkeypatch.setattr(study_module, "training_of", lambda sweep: valley)
+    monkeypatch.setattr(study_module, "write_report", reported)
+    assert run_sweep(sweep, None, 1) == ["reported"]
+
+
+def test_a_trial_of_a_worker_on_another_machine_is_left_to_it(tmp_path, monkeypatch):
+    sweep, url = small_sweep(tmp_path), f"sqlite:///{tmp_path / 'studies.db'}"
+    other = open_study(sweep, url).ask()
+    other.set_user_attr(PROCESS, "999999-1")
+    monkeypatch.setattr(study_module, "training_of", lambda sweep: valley)
+    run_sweep(sweep, url, 1)
+    assert states(open_study(sweep, url)) == [TrialState.RUNNING, TrialState.COMPLETE]
 
 
 @pytest.mark.parametrize(
@@ -175,16 +189,13 @@ def test_two_machines_start_one_study_in_postgresql_and_one_is_killed(tmp_path, 
     machine = partial(start, sweep, 8, postgres_url)
     open_study(sweep, postgres_url)  # two cannot make the tables at once
     with machine() as lost, machine() as other:
-        assert lost.stdout.readline() == other.stdout.readline() == "started\n"
         study = open_study(sweep, postgres_url)
         assert states(study) == [TrialState.RUNNING] * 2
         lost.kill()
         time.sleep(4)  # until its heartbeat is stale
         (tmp_path / "hold").unlink()
-        assert other.wait(120) == 0
-    assert states(study).count(TrialState.FAIL) == 1
+        other.join()
+        assert other.exitcode == 0
     assert ended(study) == 8
-    failed = next(one for one in study.trials if one.state == TrialState.FAIL)
-    again = [one for one in study.trials if one.system_attrs.get("failed_trial") == failed.number]
-    assert [one.params for one in again] == [failed.params]
+    assert_retried(study)
     assert len({str(one.params) for one in study.trials}) == len(study.trials) - 1

@@ -1,5 +1,7 @@
 """Stages are recorded in MLflow, and a store that fails costs them one warning."""
 
+import os
+import re
 import shutil
 import signal
 import socket
@@ -25,14 +27,6 @@ from tests.pipeline.runs import runs
 
 ROOT = Path(__file__).parents[3]
 ORIGIN = Provenance("python -m rallygap.stages.segment", "f" * 64)
-
-
-@pytest.fixture(scope="session")
-def empty_store(tmp_path_factory):
-    """A store that MLflow made, which takes seconds."""
-    path = tmp_path_factory.mktemp("store") / "mlflow.db"
-    mlflow.MlflowClient(f"sqlite:///{path}").search_experiments()
-    return path
 
 
 @pytest.fixture
@@ -102,7 +96,11 @@ def test_a_stages_run_is_open_while_it_works(store):
     assert live_run("small") is None
 
 
-def test_stages_of_one_reproduction_share_a_parent(store, monkeypatch, below_dvc):
+def test_stages_of_one_reproduction_share_a_parent_with_the_metrics_of_all(
+    store, monkeypatch, below_dvc
+):
+    write_json(Path("reports/ingest/metrics.json"), {"arena": {"recordings": 7}})
+    write_json(Path("reports/segment/metrics.json"), {"arena": {"episodes": 9}})
     monkeypatch.setenv("DVC_EXP_NAME", "amber-toad")
     record("ingest")
     record("segment")
@@ -111,14 +109,7 @@ def test_stages_of_one_reproduction_share_a_parent(store, monkeypatch, below_dvc
     parent = found.pop("amber-toad")
     above = {run.data.tags["mlflow.parentRunId"] for run in found.values()}
     assert above == {parent.info.run_id}
-
-
-def test_the_parent_has_the_metrics_of_all_stages_those_that_dvc_skips_too(store, below_dvc):
-    write_json(Path("reports/ingest/metrics.json"), {"arena": {"recordings": 7}})
-    write_json(Path("reports/segment/metrics.json"), {"arena": {"episodes": 9}})
-    record("segment")
-    parent = all_runs(store)["reproduction"].data
-    assert parent.metrics == {"ingest/arena/recordings": 7.0, "segment/arena/episodes": 9.0}
+    assert parent.data.metrics == {"ingest/arena/recordings": 7.0, "segment/arena/episodes": 9.0}
 
 
 def test_changed_parameters_are_those_of_the_parent(store, below_dvc):
@@ -133,30 +124,25 @@ def test_changed_parameters_are_those_of_the_parent(store, below_dvc):
     assert changed == {"segment.gap": "0.2", "segment.new": "true"}
 
 
-def test_a_failed_stage_fails_its_reproduction(store, below_dvc):
-    with pytest.raises(ZeroDivisionError), recorded("ingest", ORIGIN, {}, Results):
-        raise ZeroDivisionError
-    assert statuses(store) == {"reproduction": "FAILED", "ingest": "FAILED"}
+@pytest.mark.parametrize(
+    ("stop", "status"), [(ZeroDivisionError, "FAILED"), (SystemExit, "KILLED")]
+)
+def test_a_stage_that_does_not_end_well_ends_its_reproduction(store, below_dvc, stop, status):
+    with pytest.raises(stop), recorded("ingest", ORIGIN, {}, Results):
+        if stop is SystemExit:
+            signal.raise_signal(signal.SIGTERM)
+        raise stop
+    assert statuses(store) == {"reproduction": status, "ingest": status}
 
 
-def test_a_stage_stopped_by_a_signal_is_recorded_as_killed(store):
-    with pytest.raises(SystemExit), recorded("segment", ORIGIN, {}, Results):
-        signal.raise_signal(signal.SIGTERM)
-    assert statuses(store) == {"segment": "KILLED"}
-
-
-def test_the_run_of_a_killed_stage_is_closed_by_the_next_one(store):
-    lines = [
-        "import os, signal",
-        "from rallygap.pipeline.runtime.provenance import Provenance",
-        "from rallygap.pipeline.tracking import recording",
-        "from rallygap.pipeline.tracking.results import Results",
-        "recording.reproduction = lambda: '7-1'",
-        "with recording.recorded('ingest', Provenance('', 'f'), {}, Results):",
-        "    os.kill(os.getpid(), signal.SIGKILL)",
-    ]
-    killed = subprocess.run([sys.executable, "-c", "\n".join(lines)], check=False)
-    assert killed.returncode == -signal.SIGKILL
+def test_the_run_of_a_killed_stage_is_closed_by_the_next_one(store, monkeypatch):
+    child = os.fork()
+    if child == 0:
+        monkeypatch.setattr(recording, "reproduction", lambda: "7-1")
+        with recorded("ingest", ORIGIN, {}, Results):
+            os.kill(os.getpid(), signal.SIGKILL)
+    _, status = os.waitpid(child, 0)
+    assert os.WTERMSIG(status) == signal.SIGKILL
     record()
     expected = {"reproduction": "KILLED", "ingest": "KILLED", "segment": "FINISHED"}
     assert statuses(store) == expected
@@ -177,22 +163,25 @@ def only_warning(capfd):
     return line
 
 
-@pytest.mark.parametrize("address", ["http://127.0.0.1:{port}", "sqlite:////dev/null/{port}.db"])
-def test_a_store_that_is_down_costs_a_warning(new_store, monkeypatch, capfd, address):
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port = server.getsockname()[1]
-    monkeypatch.setenv("MLFLOW_TRACKING_URI", address.format(port=port))
-    record()
-    warning = only_warning(capfd)
-    assert "/dev/null" in warning or "unable to open" in warning or str(port) in warning
-
-
-def test_a_server_that_does_not_answer_costs_a_warning(new_store, monkeypatch, capfd):
+@pytest.mark.parametrize(
+    ("address", "hangs"),
+    [
+        ("http://127.0.0.1:{}", False),
+        ("http://127.0.0.1:{}", True),
+        ("sqlite:////dev/null/{}.db", False),
+    ],
+)
+def test_a_store_that_is_down_or_hangs_costs_a_warning(
+    new_store, monkeypatch, capfd, address, hangs
+):
     monkeypatch.setenv("MLFLOW_HTTP_REQUEST_TIMEOUT", "1")
     with socket.create_server(("127.0.0.1", 0)) as server:
-        monkeypatch.setenv("MLFLOW_TRACKING_URI", f"http://127.0.0.1:{server.getsockname()[1]}")
+        port = server.getsockname()[1]
+        monkeypatch.setenv("MLFLOW_TRACKING_URI", address.format(port))
+        if not hangs:
+            server.close()
         record()
-    assert "ReadTimeoutError" in only_warning(capfd)
+    assert re.search(f"/dev/null|unable to open|{port}", only_warning(capfd))
 
 
 def test_a_locked_store_costs_a_warning(store, capfd):
@@ -210,20 +199,6 @@ def test_a_store_that_goes_while_a_stage_works_costs_a_warning(store, capfd):
     assert mlflow.active_run() is None
 
 
-def test_a_store_that_failed_a_training_is_not_asked_again(monkeypatch):
-    asked = []
-
-    def down(*_, **__):
-        asked.append(1)
-        raise ConnectionError
-
-    monkeypatch.setattr(mlflow, "log_metrics", down)
-    run = LiveRun("http://127.0.0.1:9", "a run that fails", "small")
-    for step in range(3):
-        run.log({"validation": 1.0}, step)
-    assert len(asked) == 1
-
-
 def test_a_dvc_process_above_makes_a_reproduction(tmp_path):
     program = tmp_path / "dvc"
     show = "from rallygap.pipeline.tracking.recording import reproduction; print(reproduction())"
@@ -235,6 +210,13 @@ def test_a_dvc_process_above_makes_a_reproduction(tmp_path):
     pid, key = subprocess.run(run, cwd=ROOT, capture_output=True, text=True).stdout.split()
     assert key.split("-")[0] == pid
     assert recording.reproduction() is None
+
+
+def test_a_process_lives_whatever_is_done_to_the_clock(monkeypatch):
+    name = recording.this_process()
+    monkeypatch.setattr("psutil._pslinux.boot_time", lambda: 1e9)
+    assert recording.process_lives(name)
+    assert not recording.process_lives(f"{name}1")
 
 
 def test_a_stage_whose_timings_find_no_room_is_recorded_as_failed(store, monkeypatch):
@@ -259,9 +241,16 @@ def test_losses_and_learning_rates_arrive_while_a_network_trains(store, tmp_path
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_store_that_is_down_does_not_stop_a_training(tmp_path, monkeypatch):
-    monkeypatch.setenv("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "0")
+def test_a_store_that_is_down_is_asked_once_and_does_not_stop_a_training(tmp_path, monkeypatch):
+    asked = []
+
+    def down(*_, **__):
+        asked.append(1)
+        raise ConnectionError
+
+    monkeypatch.setattr(mlflow, "log_metrics", down)
     training, data = small_training()
-    down = LiveRun("http://127.0.0.1:9", "another run that fails", "small")
-    train(training, data, tmp_path / "checkpoints", live=down)
+    run = LiveRun("http://127.0.0.1:9", "a run that fails", "small")
+    train(training, data, tmp_path / "checkpoints", live=run)
     assert len(training.curve) == BRIEF.epochs
+    assert len(asked) == 1
