@@ -46,6 +46,7 @@ RESTART_PENALTY = 3
 SIZE = STATE_SIZE
 # Steps of central differences: m, m/s, rad/s.
 STEPS = np.repeat([1e-5, 1e-3, 1e-1], 3)
+PROBES = np.vstack([np.zeros(SIZE), np.diag(STEPS), -np.diag(STEPS)])
 
 
 @dataclass(frozen=True)
@@ -163,12 +164,7 @@ def advanced(x: Floats, P: Floats, dt: float, p: Floats) -> tuple[Floats, Floats
         dt: s.
         p: parameter vector of the simulator.
     """
-    probes = np.empty((2 * SIZE + 1, SIZE))
-    probes[:] = x
-    for j in range(SIZE):
-        probes[1 + j, j] += STEPS[j]
-        probes[1 + SIZE + j, j] -= STEPS[j]
-    reached = fly(probes, np.full((len(probes), 1), dt), p)[0]
+    reached = fly(x + PROBES, np.full((len(PROBES), 1), dt), p)[0]
     F = np.empty((SIZE, SIZE))
     for j in range(SIZE):
         F[:, j] = (reached[1 + j, 0] - reached[1 + SIZE + j, 0]) / (2 * STEPS[j])

@@ -66,23 +66,19 @@ class ForecastNetwork(nn.Module):
 
     def factors(self, spread: Spread, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
         """Return (B, 60, 3, 3) factors A, m, of the covariances A'A of the states' positions."""
-        normaliser = self.normaliser
-        rows = spread(
-            normaliser.normalised(history, mask, motion),
-            mask,
-            normaliser.residual(history, mask, motion),
-        ).mT
-        return normaliser.distances(rows.flatten(1, 2), motion).view(rows.shape)
+        rows = spread(*self.inputs(history, mask, motion)).mT
+        return self.normaliser.distances(rows.flatten(1, 2), motion).view(rows.shape)
 
     def deviation(self, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
         """Return the (B, 60, 9) normalised deviations from the baseline, which training fits."""
+        inputs = self.inputs(history, mask, motion)
+        return self.network(*inputs, self.normaliser.expected(motion))
+
+    def inputs(self, history: Tensor, mask: Tensor, motion: Tensor) -> tuple[Tensor, ...]:
+        """Return the first three inputs of the network, which are those of a spread."""
         normaliser = self.normaliser
-        return self.network(
-            normaliser.normalised(history, mask, motion),
-            mask,
-            normaliser.residual(history, mask, motion),
-            normaliser.expected(motion),
-        )
+        normalised = normaliser.normalised(history, mask, motion)
+        return normalised, mask, normaliser.residual(history, mask, motion)
 
     @property
     def parameter_count(self) -> int:

@@ -69,7 +69,7 @@ def _orthogonal(stack: Tensor, coefficients: tuple[float, float, float], steps: 
     """
     a, b, c = coefficients
     norms = stack.norm(dim=(1, 2), keepdim=True)
-    parts: Tensor = torch.where(norms < MIN_NORM, 0.0, stack / norms.clamp(min=MIN_NORM))
+    parts = torch.where(norms < MIN_NORM, 0.0, stack / norms.clamp(min=MIN_NORM))
     for _ in range(steps):
         gram = parts @ parts.mT
         change = torch.baddbmm(gram, gram, gram, beta=b, alpha=c)

@@ -62,10 +62,9 @@ def _errors(network: ForecastNetwork, window: Window, motion: Tensor) -> tuple[T
 def _loss(network: ForecastNetwork, spread: Spread, window: Window) -> Tensor:
     """Return the negative log likelihood of measured positions, but for a constant."""
     history, mask, _, _ = window
-    motion, normaliser = network.baseline(history, mask), network.normaliser
+    motion = network.baseline(history, mask)
     errors, known = _errors(network, window, motion)
-    normalised = normaliser.normalised(history, mask, motion)
-    factors = spread(normalised, mask, normaliser.residual(history, mask, motion))
+    factors = spread(*network.inputs(history, mask, motion))
     scaled = torch.linalg.solve_triangular(factors, errors[..., None], upper=False)[..., 0]
     distance = scaled.square().sum(dim=2)
     volume = torch.diagonal(factors, dim1=2, dim2=3).log().sum(dim=2)
