@@ -6,13 +6,14 @@ by scipy to 1e-12, contacts computed from the impulses on a thin shell.
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
 from scipy.integrate import solve_ivp
 
 from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.ball.contact_laws import NET
 from rallygap.models.ball.sensor import measured
 from rallygap.models.ball.simulator import Simulator
-from tests.models.ball.balls import NOMINAL, simulator
+from tests.models.ball.balls import NOMINAL, simulator, vectors
 
 MASS, RADIUS, DENSITY, G, CD, CM = 2.7e-3, 0.02, 1.2, 9.81, 0.55, 0.069
 DRAG = DENSITY * np.pi * RADIUS**2 / (2 * MASS)
@@ -144,14 +145,17 @@ def test_bounces_follow_the_equation(name, parameters, law, ball):
     assert (before[:3] - height * UP) @ law.get("normal", UP) == pytest.approx(RADIUS, abs=1e-12)
 
 
-@pytest.mark.parametrize("normal", [(0.0, 1.0, 0.0), (0.2, 0.9, 0.4), (-1.0, 2.0, -0.5)])
-def test_a_racket_follows_the_equation(normal):
+@given(vectors(15.0), vectors(300.0), vectors(10.0), vectors(1.0))
+@settings(max_examples=60)
+def test_a_racket_follows_the_equation(velocity, spin, racket, normal):
+    assume(np.linalg.norm(normal) > 0.1)
+    n = normal / np.linalg.norm(normal)
+    approach = (velocity - racket) @ n
+    assume(approach < -0.1)
     sim = simulator(racket_bounce={"restitution": 0.878, "speed_loss": 0.02, "kp": 1.9e-3})
-    before, racket = np.array([0, -1.5, 0.2, 0.5, -9, -1, 150, -40, 30]), np.array([1.0, 4.0, 2.0])
-    n = np.array(normal) / np.linalg.norm(normal)
-    restitution = 0.878 - 0.02 * abs((before[3:6] - racket) @ n)
-    expected = impulse(before, n, restitution, lambda _: 1.9 / 2.7, racket)
-    np.testing.assert_allclose(sim.strike(before, normal, racket)[0], expected, atol=1e-11)
+    before = np.concatenate([[0, -1.5, 0.2], velocity, spin])
+    expected = impulse(before, n, 0.878 + 0.02 * approach, lambda _: 1.9 / 2.7, racket)
+    np.testing.assert_allclose(sim.strike(before, normal, racket)[0], expected, atol=1e-10)
 
 
 @pytest.mark.parametrize(

@@ -14,14 +14,6 @@ TIMES = np.arange(1, 121) * 0.005
 THROWN = np.array([0.1, 1.2, 0.6, 0.5, -9.0, 1.5, -120.0, 40.0, 30.0])
 
 
-def test_a_vacuum_gives_the_parabola():
-    flown = simulator(gravity={"g": 9.81}).fly(THROWN, TIMES).states[0]
-    t = TIMES[:, None]
-    expected = THROWN[:3] + THROWN[3:6] * t + np.array([0, 0, -9.81]) * t**2 / 2
-    np.testing.assert_allclose(flown[:, :3], expected, atol=1e-13)
-    np.testing.assert_array_equal(flown[:, 6:], np.tile(THROWN[6:], (120, 1)))
-
-
 @pytest.mark.parametrize("along", [(0.0, -9.0, 1.5), (14.0, 14.0, 4.0)])
 def test_the_step_converges_with_order_four(along):
     p = NOMINAL.vector

@@ -14,7 +14,11 @@ from tests.models.predictors.small_training import network, small_training, trac
 @pytest.fixture(scope="module")
 def learned():
     trained = small_training()[0].network
-    return LearnedPredictor(trained, fit_spread(trained, tracks(30, 0), seed=0))
+    before = {name: value.clone() for name, value in trained.state_dict().items()}
+    predictor = LearnedPredictor(trained, fit_spread(trained, tracks(30, 0), seed=0))
+    # The network stays as it is.
+    assert all(value.equal(before[name]) for name, value in trained.state_dict().items())
+    return predictor
 
 
 def test_sizes_are_those_of_the_errors(learned):
@@ -24,13 +28,6 @@ def test_sizes_are_those_of_the_errors(learned):
     found = np.sqrt(np.diagonal(learned.predict_with_covariances(history)[1], axis1=2, axis2=3))
     ratio = np.median(np.abs(errors), axis=(0, 1)) / (0.6745 * np.median(found, axis=(0, 1)))
     assert (ratio > 0.3).all() and (ratio < 3.0).all()
-
-
-def test_the_network_stays_as_it_is():
-    trained = small_training()[0].network
-    before = {name: value.clone() for name, value in trained.state_dict().items()}
-    fit_spread(trained, tracks(12, 1), seed=0)
-    assert all(value.equal(before[name]) for name, value in trained.state_dict().items())
 
 
 def test_covariances_are_positive_and_turn_with_the_direction_of_play(learned):
