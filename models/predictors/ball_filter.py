@@ -156,14 +156,7 @@ def _track(
 
 @compiled
 def advanced(x: Floats, P: Floats, dt: float, p: Floats) -> tuple[Floats, Floats]:
-    """Return mean and covariance ``dt`` seconds later, at most a tick.
-
-    Args:
-        x: (9,) mean.
-        P: (9, 9) covariance.
-        dt: s.
-        p: parameter vector of the simulator.
-    """
+    """Return (9,) mean and (9, 9) covariance ``dt`` s later, at most a tick; p of the simulator."""
     reached = fly(x + PROBES, np.full((len(PROBES), 1), dt), p)[0]
     F = np.empty((SIZE, SIZE))
     for j in range(SIZE):
@@ -193,16 +186,10 @@ def distance(x: Floats, P: Floats, position: Floats, R: Floats) -> float:
 
 @compiled
 def updated(x: Floats, P: Floats, measured: Floats, first: int, R: Floats) -> tuple[Floats, Floats]:
-    """Return mean and covariance after three components from ``first`` were measured.
+    """Return (9,) mean and (9, 9) covariance after three components from ``first`` were measured.
 
-    The covariance is in Joseph's form, which stays positive definite.
-
-    Args:
-        x: (9,) mean.
-        P: (9, 9) covariance.
-        measured: (3,) components.
-        first: of these components, 0 for a position and 6 for a spin.
-        R: (3, 3) covariance of the measurement.
+    ``first`` is 0 for a position and 6 for a spin, R the (3, 3) covariance of the measurement. The
+    result is in Joseph's form, which stays positive definite.
     """
     end = first + 3
     K = np.ascontiguousarray(P[:, first:end]) @ _inverse(P[first:end, first:end] + R)

@@ -93,16 +93,16 @@ def build_network(settings: NetworkSettings, simulator: Simulator | None = None)
         settings: of the network.
         simulator: that its settings name, if it is a hybrid.
     """
-    sizes = settings.model_dump(exclude={"kind"})
+    sizes = settings.model_dump(exclude={"kind", "simulator"})
     if isinstance(settings, TaeSettings):
         return ForecastNetwork(TrajectoryAutoencoder(**sizes))
     if isinstance(settings, GruTaeSettings):
         return ForecastNetwork(RecurrentAutoencoder(**sizes))
-    if isinstance(settings, HybridSettings):
-        transformer = Transformer(**{key: sizes[key] for key in sizes if key != "simulator"})
-        transformer.start_at_baseline()
-        return ForecastNetwork(transformer, PhysicsPredictor(simulator) if simulator else None)
-    return ForecastNetwork(Transformer(**sizes))
+    transformer = Transformer(**sizes)
+    if not isinstance(settings, HybridSettings):
+        return ForecastNetwork(transformer)
+    transformer.start_at_baseline()
+    return ForecastNetwork(transformer, PhysicsPredictor(simulator) if simulator else None)
 
 
 class LearnedPredictor:

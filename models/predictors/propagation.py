@@ -22,7 +22,7 @@ def propagated(
     ahead: Floats,
     components: int = STATE_SIZE,
 ) -> tuple[Floats, Floats]:
-    """Return means and covariances of balls at coming times.
+    """Return (B, T, 9) means and (B, T, C, C) covariances of balls at coming times.
 
     The covariance is linear in that of the state, contacts included, with the process noise of the
     filter (ball_filter.py) as it grows in free flight.
@@ -33,9 +33,6 @@ def propagated(
         covariances: (B, 9, 9) of these.
         ahead: (T,) s from now, not falling.
         components: C, the first ones of a state, whose covariances are wanted.
-
-    Returns:
-        (B, T, 9) means and (B, T, C, C) covariances.
     """
     count = len(states)
     probes = (states[:, None] + PROBES).reshape(-1, STATE_SIZE)

@@ -28,7 +28,10 @@ def fit_spread(network: ForecastNetwork, tracks: Tracks, seed: int) -> Spread:
     torch.manual_seed(seed)
     spread, random = Spread(), np.random.default_rng(seed)
     some = tracks.draw_anchors(random.integers(0, tracks.episodes, FIRST_FIT), random)
-    spread.sizes.copy_(_typical_errors(network, tracks.windows(some)))
+    window = tracks.windows(some)
+    errors, known = _errors(network, window, network.baseline(*window[:2]))
+    sizes = torch.where(known[..., None], errors.abs(), torch.nan).nanmedian(dim=0).values
+    spread.sizes.copy_(NORMAL_SPREAD * sizes.nan_to_num(1.0).clamp(min=LEAST_SIZE))
     optimizer = Adam(spread.parameters(), lr=LEARNING_RATE)
     steps = EPOCHS * -(-tracks.episodes // BATCH)
     schedule = CosineAnnealingLR(optimizer, steps)
@@ -41,13 +44,6 @@ def fit_spread(network: ForecastNetwork, tracks: Tracks, seed: int) -> Spread:
             optimizer.step()
             schedule.step()
     return spread.eval()
-
-
-def _typical_errors(network: ForecastNetwork, window: Window) -> Tensor:
-    """Return the (60, 3) typical sizes of normalised position errors."""
-    errors, known = _errors(network, window, network.baseline(*window[:2]))
-    sizes = torch.where(known[..., None], errors.abs(), torch.nan).nanmedian(dim=0).values
-    return NORMAL_SPREAD * sizes.nan_to_num(1.0).clamp(min=LEAST_SIZE)
 
 
 def _errors(network: ForecastNetwork, window: Window, motion: Tensor) -> tuple[Tensor, Tensor]:
