@@ -61,7 +61,11 @@ def drawn_balls(count, fastest, most_spin):
 def test_agrees_with_an_independent_integrator(fastest, spin, bound):
     effects = {"wind": {"x": 0.3, "y": -0.2, "z": 0.1}, "spin_decay": {"c": 0.004}}
     sim = simulator(**NOMINAL.to_dict(), **effects, lift_saturation={"kappa": 5.0})
-    reference = Physics(wind=(0.3, -0.2, 0.1), spin_decay=0.004, lift_saturation=5.0)
+    reference = Physics(
+        wind=(0.3, -0.2, 0.1),
+        spin_decay=0.004,
+        cm=lambda _, ratio: 0.069 * (1 + 5.0 / 2) / (1 + 5.0 * ratio),
+    )
     bounces = 0
     for ball in drawn_balls(25, fastest, spin):
         expected, times = reference.fly(ball, TIMES)

@@ -6,7 +6,6 @@ from scipy.optimize import brentq
 
 from rallygap.models.ball.state import BALL_RADIUS
 from rallygap.models.policy import batch_simulation
-from rallygap.models.policy.batch_simulation import BatchSimulation
 from rallygap.models.policy.outcome import judge
 from rallygap.models.robot.control import joint_speeds
 from tests.models.policy.simulations import (
@@ -101,17 +100,6 @@ def test_a_ball_hit_just_before_the_arm_strikes_the_table_counts():
     assert step.ended.hit[0]
 
 
-def test_every_arm_plays_its_own_ball():
-    simulation = simulation_with(passing(ASIDE, CENTRE, beside_centre(above=0.05)))
-    alone = played(simulation_with(passing(beside_centre(above=0.05))))[0]
-
-    step, _ = played(simulation, np.zeros((3, 5)))
-
-    assert step.ended.envs.tolist() == [1, 2]
-    np.testing.assert_array_equal(step.ended.after_racket[1], alone.ended.after_racket[0])
-    assert step.ended.landing[0, 1] != step.ended.landing[1, 1]
-
-
 def test_the_racket_goes_where_the_action_says():
     simulation = simulation_with(passing(*[ASIDE] * 3, playable=(0.0, 1.4)))
     start = racket_state(simulation).position
@@ -153,17 +141,3 @@ def test_a_new_ball_does_not_get_the_actions_of_the_last_one():
     for _ in range(5):
         simulation.step(AHEAD_AND_DOWN)
     np.testing.assert_allclose(racket_state(simulation).position, start, atol=1e-4)
-
-
-def test_what_is_played_again_is_the_same_to_the_byte():
-    def played_out(simulation):
-        simulation.reset(np.ones(2, dtype=bool), passing(CENTRE, ASIDE), goals(2))
-        random = np.random.default_rng(3)
-        return [
-            simulation.step(random.uniform(-1, 1, (2, 5))).observation.tobytes() for _ in range(9)
-        ]
-
-    simulation = BatchSimulation(SIMULATOR, 2, "intercept")
-
-    assert played_out(simulation) == played_out(simulation)
-    assert played_out(simulation) == played_out(BatchSimulation(SIMULATOR, 2, "intercept"))

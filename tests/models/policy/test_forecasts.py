@@ -44,13 +44,6 @@ def test_a_parabola_is_forecast_at_its_ticks_and_horizons():
         np.testing.assert_allclose(forecasts, expected[None], atol=1e-8)
 
 
-def test_the_true_simulator_forecasts_the_truth():
-    launches, path, _ = struck()
-    truth = exact(path, HORIZONS)
-    np.testing.assert_allclose(re_anchored(TRUTH, path, HORIZONS), truth, atol=1e-5)
-    np.testing.assert_allclose(first_state(TRUTH, launches, HORIZONS), truth, atol=1e-5)
-
-
 def test_a_wrong_simulator_errs_along_the_flight_unless_it_is_re_anchored():
     launches, path, playable = struck()
     live = control_times(0.0) < playable[:, 1:] - 0.2
@@ -115,20 +108,14 @@ def test_the_same_seed_draws_the_same_balls():
     np.testing.assert_array_equal(first[1:3].spreads, second.spreads[1:3])
 
 
-def test_a_task_draws_playable_balls_with_exact_forecasts_and_a_goal_each():
-    incoming, goals = TASK.draw(7, np.random.default_rng(0))
+@pytest.mark.parametrize(("kind", "start"), [("exact", 0.0), ("exact_after_window", FIRST_WINDOW)])
+def test_a_task_draws_playable_balls_with_exact_forecasts_and_a_goal_each(kind, start):
+    incoming, goals = replace(TASK, forecasts=kind).draw(7, np.random.default_rng(0))
     assert len(incoming) == len(goals) == 7
-    assert incoming.start == 0.0 and np.isfinite(incoming.playable).all()
+    assert incoming.start == start and np.isfinite(incoming.playable).all()
     assert is_playable(TASK.simulator, incoming.path[:, 0]).all()
-    np.testing.assert_array_equal(incoming.forecasts, exact(incoming.path, TASK.horizons))
-
-
-def test_control_steps_may_begin_with_the_first_window():
-    late = replace(TASK, forecasts="exact_after_window")
-    incoming, goals = late.draw(7, np.random.default_rng(0))
-    early, same_goals = TASK.draw(7, np.random.default_rng(0))
-    assert incoming.start == FIRST_WINDOW
-    np.testing.assert_array_equal(incoming.path, early.path)
-    np.testing.assert_array_equal(goals.landing, same_goals.landing)
-    expected = exact(incoming.path, TASK.horizons, FIRST_WINDOW)
+    expected = exact(incoming.path, TASK.horizons, start)
     np.testing.assert_array_equal(incoming.forecasts, expected)
+    same_balls, same_goals = TASK.draw(7, np.random.default_rng(0))
+    np.testing.assert_array_equal(incoming.path, same_balls.path)
+    np.testing.assert_array_equal(goals.landing, same_goals.landing)
