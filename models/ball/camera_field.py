@@ -14,7 +14,7 @@ def covariance(places: Floats, others: Floats, length: float) -> Floats:
     The covariance is a squared exponential: two places ``length`` apart have the correlation
     exp(-1/2).
     """
-    exponents: Floats = cdist(places, others, "sqeuclidean")
+    exponents = cdist(places, others, "sqeuclidean")
     exponents *= -0.5 / length**2
     return np.asarray(np.exp(exponents, out=exponents))
 

@@ -12,7 +12,6 @@ from typing import Any
 import numba
 
 from rallygap.models.ball.catalogue import catalogue, parameter_columns
-from rallygap.models.ball.effect import Effect
 from rallygap.models.ball.quantities import QUANTITIES, Quantity
 from rallygap.models.support.compilation import compiler
 
@@ -35,28 +34,22 @@ def composed() -> dict[str, Any]:
 
 def _source(quantity: Quantity) -> str:
     """Write the function of one quantity: its start, plus all added terms, times all factors."""
-    arguments = "p" if quantity.context is None else "context, p"
-    lines = ["@njit", f"def {quantity.name}({arguments}):"]
-    lines += [f"    q{i} = {quantity.start}" for i in range(quantity.size)]
+    arguments = [] if quantity.context is None else ["context"]
+    values = [f"q{i}" for i in range(quantity.size)]
+    changed = ["change"] if quantity.size == 1 else [f"change[{i}]" for i in range(quantity.size)]
+    pieces = list(zip(values, changed, strict=True))
+    lines = ["@njit", f"def {quantity.name}({', '.join([*arguments, 'p'])}):"]
+    lines += [f"    {value} = {quantity.start}" for value in values]
     for how, operator in (("adds", "+="), ("scales", "*=")):
         for effect in catalogue().values():
+            columns = [parameter_columns()[effect.name, p.name] for p in effect.parameters]
+            given = ", ".join([*arguments, *(f"p[{column}]" for column in columns)])
             for number, change in enumerate(effect.changes):
                 if change.quantity == quantity.name and change.how == how:
-                    lines += _apply(quantity, f"{effect.name}_{number}", effect, operator)
-    values = [f"q{i}" for i in range(quantity.size)]
+                    lines.append(f"    change = {effect.name}_{number}({given})")
+                    lines += [f"    {value} {operator} {piece}" for value, piece in pieces]
     lines.append(f"    return {values[0] if quantity.size == 1 else '(' + ', '.join(values) + ')'}")
     return "\n".join(lines)
-
-
-def _apply(quantity: Quantity, hook: str, effect: Effect, operator: str) -> list[str]:
-    columns = [parameter_columns()[effect.name, p.name] for p in effect.parameters]
-    arguments = [] if quantity.context is None else ["context"]
-    arguments += [f"p[{column}]" for column in columns]
-    call = f"{hook}({', '.join(arguments)})"
-    if quantity.size == 1:
-        return [f"    q0 {operator} {call}"]
-    pieces = [f"    q{i} {operator} change[{i}]" for i in range(quantity.size)]
-    return [f"    change = {call}", *pieces]
 
 
 def _sources() -> tuple[list[Path], str]:

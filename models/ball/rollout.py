@@ -1,4 +1,7 @@
-"""Roll-outs: flight in steps of at most 5 ms, with all contacts."""
+"""Roll-outs: flight in steps of at most 5 ms, with all contacts.
+
+A ball that hardly rebounds rests on its surface: it slides on, without rolling friction.
+"""
 
 import math
 
@@ -12,10 +15,10 @@ from rallygap.models.ball.contact_detection import (
     first_touch,
     gap_to,
     near,
+    squared_speed,
 )
 from rallygap.models.ball.contact_laws import NET, TABLE, bounce, racket_contact, surfaces
-from rallygap.models.ball.flight import flight_environment, step
-from rallygap.models.ball.resting_contact import REST_SPEED, is_resting, slide
+from rallygap.models.ball.flight import advance, derivative, flight_environment, step
 from rallygap.models.ball.types import (
     Environment,
     Floats,
@@ -24,11 +27,72 @@ from rallygap.models.ball.types import (
     Record,
     Scene,
     State,
+    Vector,
 )
 
 MAX_STEP = 0.005  # s; with Runge-Kutta 5e-9 m at 20 m/s and 600 rad/s
 MAX_REBOUNDS = 100  # within a step; a ball pressed to a surface that hard counts as resting, too
+REST_SPEED = 5e-4  # m/s: a slower rebound comes back within 0.1 ms and counts as resting
+SLIDE_DISTANCE = 0.005  # m, longest slide of a resting ball per step
 MAX_CONTACTS = 8  # contacts recorded a shot; further ones still happen
+
+
+@compiled
+def _along_surface(state: State, slope: State, normal: Vector, h: float) -> State:
+    """Return the state after ``h`` seconds at the part of a constant slope along a surface."""
+    nx, ny, nz = normal
+    vx, vy, vz, ax, ay, az, wx, wy, wz = slope
+    v = vx * nx + vy * ny + vz * nz
+    a = ax * nx + ay * ny + az * nz
+    flat = (vx - v * nx, vy - v * ny, vz - v * nz, ax - a * nx, ay - a * ny, az - a * nz)
+    return advance(state, (*flat, wx, wy, wz), h)
+
+
+@compiled
+def _slide(
+    state: State,
+    normal: Vector,
+    surface: int,
+    longest: float,
+    p: Parameters,
+    environment: Environment,
+    scene: Scene,
+) -> tuple[State, float]:
+    """Return the state of a ball that rests on a surface a moment later, and that moment.
+
+    It flies on in the plane of the surface, without rolling friction (midpoint rule).
+    """
+    out = (0.0, 0.0, 0.0, *normal, 0.0, 0.0, 0.0)
+    state = advance(state, out, -approach(state, normal))
+    h = min(longest, SLIDE_DISTANCE / max(math.sqrt(squared_speed(state)), 1e-3))
+    half = _along_surface(state, derivative(state, p, environment), normal, 0.5 * h)
+    state = _along_surface(state, derivative(half, p, environment), normal, h)
+    other = NET if surface == TABLE else TABLE
+    return _push_out(other, state, p, environment, scene), h
+
+
+@compiled
+def _push_out(
+    surface: int, state: State, p: Parameters, environment: Environment, scene: Scene
+) -> State:
+    """Move a ball that slid into a surface just outside of it, at the same total energy."""
+    gap, normal = gap_to(surface, state[0], state[1], state[2], scene)
+    if gap >= 0.0:
+        return state
+    nx, ny, nz = normal
+    pull = min(approach(derivative(state, p, environment), normal), 0.0)
+    along = approach(state, normal)
+    slower = -math.sqrt(max(along * along + 2.0 * pull * -gap, 0.0)) if along < 0.0 else along
+    kick = slower - along
+    shift = (-gap * nx, -gap * ny, -gap * nz, kick * nx, kick * ny, kick * nz, 0.0, 0.0, 0.0)
+    return advance(state, shift, 1.0)
+
+
+@compiled
+def _is_resting(state: State, normal: Vector, p: Parameters, environment: Environment) -> bool:
+    """Return whether a ball hardly leaves a surface against which it is pressed."""
+    pull = approach(derivative(state, p, environment), normal)
+    return approach(state, normal) < REST_SPEED and pull <= 0.0
 
 
 @compiled
@@ -65,8 +129,8 @@ def _fly_through_contacts(
             log += 1
         left -= moment
         rebounds += 1
-        if rebounds > MAX_REBOUNDS or is_resting(state, normal, p, environment):
-            state, passed = slide(state, normal, surface, left, p, environment, scene)
+        if rebounds > MAX_REBOUNDS or _is_resting(state, normal, p, environment):
+            state, passed = _slide(state, normal, surface, left, p, environment, scene)
             left -= passed
         ahead = step(state, left, p, environment)
 

@@ -36,7 +36,7 @@ from rallygap.models.policy.settings import DEFAULT_REWARD, ObservationKind, Rew
 from rallygap.models.robot.arms import Arms
 from rallygap.models.robot.constants import BULLET_STEP, COMMAND_STEP
 from rallygap.models.robot.control import joint_speeds
-from rallygap.models.robot.kinematics import Racket, racket
+from rallygap.models.robot.kinematics import racket
 
 # Racket motion for an action of one: m/s across, along and up; rad/s of its two turning rates.
 VELOCITY = np.array([2.5, 1.5, 2.0])
@@ -46,7 +46,6 @@ ACTIONS = 5
 COMMANDS = round(CONTROL_STEP / COMMAND_STEP)  # of joint speeds, per control step
 BULLET_STEPS = round(COMMAND_STEP / BULLET_STEP)  # per command
 PATH_STEPS = round(BULLET_STEP / PATH_STEP)  # per Bullet step
-
 
 # Following balls.
 GAIN = 8.0  # of the racket's velocity across and up, 1/m: full speed at an eighth of a metre
@@ -133,9 +132,19 @@ class BatchSimulation:
         )
 
     def following_actions(self, random: np.random.Generator) -> Floats:
-        """Return (B, 5) actions that bring the rackets to the balls, with noise."""
+        """Return (B, 5) actions that bring rackets to where balls cross their planes, with noise.
+
+        The warm-up of a training uses them, so that its replay buffer begins with strokes: they
+        hit two balls in three and return one in six, uniformly drawn actions hit one in fifty.
+        How fast a racket moves ahead once its ball is near is random.
+        """
         rackets = racket(self.arms.joints, self.arms.joint_speeds)
-        return following_actions(rackets, self._balls.forecasts[:, 0], random)
+        crossing = plane_crossing(rackets, self._balls.forecasts[:, 0])
+        time, away = crossing[:, 0], crossing[:, 1:3]
+        actions = NOISE * random.standard_normal((len(time), len(NOISE)))
+        actions[:, [0, 2]] += GAIN * away
+        actions[:, 1] = np.where(time < NEAR, random.uniform(size=len(time)), actions[:, 1])
+        return np.clip(actions, -1.0, 1.0)
 
     def step(self, actions: NDArray[np.floating]) -> StepResult:
         """Simulate one control step.
@@ -213,22 +222,3 @@ class BatchSimulation:
             moments[hit] * PATH_STEP,
             self._weights,
         )
-
-
-def following_actions(rackets: Racket, forecasts: Floats, random: np.random.Generator) -> Floats:
-    """Return (B, 5) actions that bring rackets to where balls cross their planes.
-
-    The warm-up of a training uses them, so that its replay buffer begins with strokes: they hit two
-    balls in three and return one in six, uniformly drawn actions hit one in fifty.
-
-    Args:
-        rackets: B of them.
-        forecasts: (B, 9), of the nearest horizon.
-        random: for the noise, and for how fast a racket moves ahead once its ball is near.
-    """
-    crossing = plane_crossing(rackets, forecasts)
-    time, away = crossing[:, 0], crossing[:, 1:3]
-    actions = NOISE * random.standard_normal((len(time), len(NOISE)))
-    actions[:, [0, 2]] += GAIN * away
-    actions[:, 1] = np.where(time < NEAR, random.uniform(size=len(time)), actions[:, 1])
-    return np.clip(actions, -1.0, 1.0)

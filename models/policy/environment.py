@@ -11,61 +11,16 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvS
 
 from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.policy.batch_simulation import ACTIONS, BatchSimulation
-from rallygap.models.policy.episodes import Episodes
+from rallygap.models.policy.episodes import OUTCOMES, STYLE, Episodes
+from rallygap.models.policy.goals import Goals
+from rallygap.models.policy.incoming_balls import IncomingBalls
 from rallygap.models.policy.observation import LIMIT, Observations, observation_size
 from rallygap.models.policy.task import Task
 
 BATCH = 256  # balls generated at once, which makes a new episode cheap
 
 # In the info of an ended episode, with its landing, its goal and its ball's number.
-REPORTED = (
-    "hit",
-    "returned",
-    "fault",
-    "goal_reward",
-    "nearest",
-    "time",
-    "backhand",
-    "distance",
-    "net_height",
-    "speed",
-    "topspin",
-)
-
-
-class BallSupply:
-    """The balls generated from one random generator, for B environments.
-
-    Attributes:
-        numbers: (B,) of the balls that the environments have, counted from zero.
-    """
-
-    def __init__(self, task: Task, environments: int, random: np.random.Generator) -> None:
-        """Generate the first batch."""
-        self.numbers = np.zeros(environments, dtype=np.int64)
-        self._task, self._random = task, random
-        self._size = max(BATCH, environments)
-        self._handed_out = 0
-        self._fill()
-
-    def start_episodes(self, simulation: BatchSimulation, which: Bools) -> None:
-        """Start new episodes in the environments of ``which`` (B,)."""
-        waiting = np.flatnonzero(which)
-        while len(waiting):
-            if self._next == self._size:
-                self._fill()
-            served = waiting[: self._size - self._next]
-            waiting = waiting[len(served) :]
-            rows = slice(self._next, self._next + len(served))
-            given = np.isin(np.arange(len(which)), served)
-            simulation.reset(given, self._incoming[rows], self._goals[rows])
-            self.numbers[served] = self._handed_out + np.arange(len(served))
-            self._handed_out += len(served)
-            self._next += len(served)
-
-    def _fill(self) -> None:
-        self._incoming, self._goals = self._task.draw(self._size, self._random)
-        self._next = 0
+REPORTED = (*OUTCOMES, *STYLE, "goal_reward")
 
 
 class ReturnVecEnv(VecEnv):
@@ -88,19 +43,39 @@ class ReturnVecEnv(VecEnv):
             task.simulator, count, task.observation, weights=task.reward
         )
         self._task = task
-        self._supply: BallSupply
+        self._random: np.random.Generator
+        self._waiting: tuple[IncomingBalls, Goals]  # balls that were drawn at once
+        self._balls = np.zeros(count, dtype=np.int64)  # that environments have, by their numbers
+        self._handed_out = 0
         self._actions: NDArray[np.floating]
         self.seed(seed)
 
     def reset(self) -> Observations:
         """Start episodes with the next balls, or with the first balls of a seed that was set."""
         if self._seeds[0] is not None:
-            random = np.random.default_rng(self._seeds[0])
-            self._supply = BallSupply(self._task, self.num_envs, random)
+            self._random, self._handed_out = np.random.default_rng(self._seeds[0]), 0
+            self._waiting = self._draw()
         self._reset_seeds()
         self._reset_options()
-        self._supply.start_episodes(self._simulation, np.ones(self.num_envs, dtype=np.bool_))
+        self._start_episodes(np.ones(self.num_envs, dtype=np.bool_))
         return self._simulation.observe()
+
+    def _draw(self) -> tuple[IncomingBalls, Goals]:
+        return self._task.draw(max(BATCH, self.num_envs), self._random)
+
+    def _start_episodes(self, which: Bools) -> None:
+        """Start new episodes in the environments of ``which`` (B,)."""
+        free = np.flatnonzero(which)
+        while len(free):
+            if not len(self._waiting[0]):
+                self._waiting = self._draw()
+            incoming, goals = self._waiting
+            served, free = free[: len(incoming)], free[len(incoming) :]
+            given = np.isin(np.arange(self.num_envs), served)
+            self._simulation.reset(given, incoming[: len(served)], goals[: len(served)])
+            self._waiting = incoming[len(served) :], goals[len(served) :]
+            self._balls[served] = self._handed_out + np.arange(len(served))
+            self._handed_out += len(served)
 
     def step_async(self, actions: NDArray[np.floating]) -> None:
         """Store the actions of the next control step."""
@@ -114,12 +89,12 @@ class ReturnVecEnv(VecEnv):
         for row, env in enumerate(step.ended.envs):
             infos[env] = {
                 **_report(step.ended, row),
-                "ball": int(self._supply.numbers[env]),
+                "ball": int(self._balls[env]),
                 "terminal_observation": step.observation[env],
                 "TimeLimit.truncated": False,
             }
         if len(step.ended.envs):
-            self._supply.start_episodes(self._simulation, step.done)
+            self._start_episodes(step.done)
             observation = self._simulation.observe()
         return observation, step.reward.astype(np.float32), step.done, infos
 

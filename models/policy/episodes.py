@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.types import Bools, Floats, Integers
 from rallygap.models.policy.goals import Goals
-from rallygap.models.policy.outcome import judge
+from rallygap.models.policy.outcome import Outcome, judge
 from rallygap.models.policy.racket_contact import RacketContacts
 from rallygap.models.policy.reward import contact_reward, goal_reward, miss_reward
 from rallygap.models.policy.settings import RewardSettings
@@ -17,52 +17,40 @@ Strings = NDArray[np.str_]
 
 # How episodes end: with a hit, or by one of these faults.
 HIT, MISSED, BEFORE_BOUNCE, ARM_ON_TABLE = "hit", "missed", "before_bounce", "arm_on_table"
-JUDGED = ("before_landing", "landing", "distance", "net_height", "speed", "topspin")  # of hits
+# Columns that tables and infos report.
+OUTCOMES = ("hit", "returned", "fault", "nearest", "time", "backhand", "distance", "net_height")
+STYLE = ("speed", "topspin")  # goals that not every policy has
 
 
 @dataclass(frozen=True)
-class Episodes:
-    """E episodes that ended.
+class Episodes(Outcome):
+    """E episodes that ended, with the outcomes of their strokes, NaN without a hit.
+
+    ``returned`` and ``fault`` are those of all episodes: further faults are ``missed``,
+    ``before_bounce`` (the racket met the ball too early) and ``arm_on_table``.
 
     Attributes:
         envs: (E,) indices of their environments, ascending.
         goals: (E,) goals.
         hit: (E,) whether the racket met the ball after its bounce.
-        returned: (E,) whether the ball then landed on the far half.
-        fault: (E,) why it was not returned: ``missed``, ``before_bounce`` (the racket met it too
-            early), ``arm_on_table``, ``net`` or ``out``; empty for a return.
         reward: (E,) of the last step, without the effort.
         goal_reward: (E,) the part of it that depends on the goal.
         nearest: (E,) m, smallest distance between the centres of ball and racket while the ball
             could be played; infinite if it never could.
         time: (E,) s from the launch to the hit; NaN without a hit, like all that follows.
         after_racket: (E, 9) state just after the racket.
-        before_landing: (E, 9) state just before the landing; NaN without a return.
         backhand: (E,) 1 if the racket's back hit the ball, else 0.
-        landing: (E, 2) m; this and the rest as in ``Outcome``.
-        distance: (E,) m.
-        net_height: (E,) m.
-        speed: (E,) m/s.
-        topspin: (E,) rad/s.
     """
 
     envs: Integers
     goals: Goals
     hit: Bools
-    returned: Bools
-    fault: Strings
     reward: Floats
     goal_reward: Floats
     nearest: Floats
     time: Floats
     after_racket: Floats
-    before_landing: Floats
     backhand: Floats
-    landing: Floats
-    distance: Floats
-    net_height: Floats
-    speed: Floats
-    topspin: Floats
 
 
 def conclude(
@@ -90,18 +78,22 @@ def conclude(
     hit = endings == HIT
     after = simulator.strike(hits.states, hits.normals, hits.velocities)
     outcome = judge(simulator, after, goals[hit])
-    returned, fault = hit.copy(), endings.copy()
-    returned[hit], fault[hit] = outcome.returned, outcome.fault
     reward = np.where(endings == MISSED, miss_reward(nearest, weights), -weights.fault)
     goal_rewards = np.zeros(len(endings))
     goal_rewards[hit] = goal_reward(
         outcome.landing, outcome.speed, outcome.topspin, outcome.returned, goals[hit], weights
     )
     reward[hit] = contact_reward(outcome, hits.backhand, weights) + goal_rewards[hit]
-    known = {"time": times, "after_racket": after, "backhand": hits.backhand}
-    known |= {name: getattr(outcome, name) for name in JUDGED}
-    of_hits = {}
-    for name, values in known.items():
-        of_hits[name] = np.full((len(hit), *values.shape[1:]), np.nan)
-        of_hits[name][hit] = values
-    return Episodes(envs, goals, hit, returned, fault, reward, goal_rewards, nearest, **of_hits)
+    of_hits = vars(outcome) | {"time": times, "after_racket": after, "backhand": hits.backhand}
+    columns = {"returned": hit.copy(), "fault": endings.copy()}
+    for name, values in of_hits.items():
+        columns.setdefault(name, np.full((len(hit), *values.shape[1:]), np.nan))[hit] = values
+    return Episodes(
+        envs=envs,
+        goals=goals,
+        hit=hit,
+        reward=reward,
+        goal_reward=goal_rewards,
+        nearest=nearest,
+        **columns,
+    )

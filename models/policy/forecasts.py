@@ -32,13 +32,7 @@ NOISE = SensorNoise(position=0.003, spin=0.05)  # the paper's cameras
 
 
 def exact(path: Floats, horizons: HorizonsMs, start: float = 0.0) -> Floats:
-    """Return the true future.
-
-    Args:
-        path: (B, N, 9) true states as in ``IncomingBalls``.
-        horizons: ms.
-        start: s from the launch of the first control step.
-    """
+    """Return the true future of (B, N, 9) paths; control steps begin ``start`` s after launches."""
     return path[:, np.rint(_forecast_times(horizons, start) / PATH_STEP).astype(np.int64)]
 
 
@@ -50,13 +44,7 @@ def first_state(simulator: Simulator, launches: Floats, horizons: HorizonsMs) ->
 
 
 def re_anchored(simulator: Simulator, path: Floats, horizons: HorizonsMs) -> Floats:
-    """Return the future as ``simulator`` flies the balls from each control step's true states.
-
-    Args:
-        simulator: that forecasts.
-        path: (B, N, 9) true states as in ``IncomingBalls``.
-        horizons: ms.
-    """
+    """Return the future as ``simulator`` flies (B, N, 9) paths on from each control step."""
     now = path[:, np.rint(control_times(0.0) / PATH_STEP).astype(np.int64)]
     flown = simulator.fly(now.reshape(-1, STATE_SIZE), np.array(horizons) / 1000).states
     return flown.reshape(len(now), -1, len(horizons), STATE_SIZE)

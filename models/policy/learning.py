@@ -24,7 +24,7 @@ from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 from rallygap.models.policy.environment import ReturnVecEnv
 from rallygap.models.policy.goal_relabelling import RelabellingReplayBuffer
 from rallygap.models.policy.observation import goal_slice
-from rallygap.models.policy.policy import Policy, Singles
+from rallygap.models.policy.policy import Policy
 from rallygap.models.policy.random_streams import iteration_seed
 from rallygap.models.policy.settings import LearningSettings
 from rallygap.models.policy.task import Task
@@ -99,7 +99,11 @@ def learn_iteration(
     own_seed = iteration_seed(seed, iteration)
     torch.manual_seed(own_seed)  # the initial weights
     environment = VecMonitor(ReturnVecEnv(task, settings.environments, own_seed))
-    learner = _new(environment, task, settings) if before is None else _load(environment, before)
+    if before is None:
+        learner = _new(environment, task, settings)
+    else:
+        learner = WarmedUpSAC.load(before / LEARNER, environment, device="cpu")
+        learner.load_replay_buffer(before / REPLAY)
     rate = learning_rate(settings, iteration)
     learner.learning_rate, learner.lr_schedule = rate, lambda _: rate
     learner.set_random_seed(own_seed)
@@ -117,14 +121,14 @@ def learning_rate(settings: LearningSettings, iteration: int) -> float:
     """Return the learning rate of an iteration: it decays geometrically."""
     share = iteration / max(settings.iterations - 1, 1)
     decay = settings.final_learning_rate / settings.learning_rate
-    rate: float = settings.learning_rate * decay**share
-    return rate
+    return settings.learning_rate * decay**share
 
 
 def trained_policy(actor: Actor) -> Policy:
     """Return what an actor does without exploration."""
-    layers = [part for part in (*actor.latent_pi, actor.mu) if isinstance(part, nn.Linear)]
-    return Policy(tuple((_array(part.weight), _array(part.bias)) for part in layers))
+    parts = [part for part in (*actor.latent_pi, actor.mu) if isinstance(part, nn.Linear)]
+    pairs = [(part.weight.detach().numpy(), part.bias.detach().numpy()) for part in parts]
+    return Policy(tuple((weight.copy(), bias.copy()) for weight, bias in pairs))
 
 
 def skip_critic_gradients(critic: nn.Module, inputs: tuple[Tensor, Tensor]) -> None:
@@ -157,14 +161,3 @@ def _new(environment: VecEnv, task: Task, settings: LearningSettings) -> WarmedU
         policy_kwargs={"net_arch": [settings.width] * 2, "optimizer_kwargs": {"fused": True}},
         device="cpu",
     )
-
-
-def _load(environment: VecEnv, before: Path) -> WarmedUpSAC:
-    learner = WarmedUpSAC.load(before / LEARNER, environment, device="cpu")
-    learner.load_replay_buffer(before / REPLAY)
-    return learner
-
-
-def _array(parameter: Tensor) -> Singles:
-    array: Singles = parameter.detach().numpy().copy()
-    return array

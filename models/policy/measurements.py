@@ -15,13 +15,7 @@ _PATH_STEPS = round(TICK / PATH_STEP)  # between two measurements
 def measure(
     path: Floats, until: Floats, noise: SensorNoise, random: np.random.Generator
 ) -> tuple[Floats, Bools]:
-    """Measure balls.
-
-    Args:
-        path: (B, N, 9) true states as in ``IncomingBalls``.
-        until: (B,) s from the launch, after which a ball is not measured.
-        noise: of every measurement.
-        random: of the noise.
+    """Measure balls of (B, N, 9) paths until (B,) s after their launches.
 
     Returns:
         (B, M, 6) positions (m) and spins (rad/s), the first at the launch, zero where not measured;

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from rallygap.models.ball.contact_laws import TABLE
-from rallygap.models.ball.simulator import Flight, Simulator
+from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.types import Bools, Floats, Integers
 from rallygap.models.policy.batch_simulation import BatchSimulation
 from rallygap.models.policy.episodes import Episodes
@@ -98,7 +98,10 @@ class MotionRecorder:
         if np.isnan(hit):
             times = _frames(np.nan_to_num(incoming.playable[ball, 1], nan=MAX_DURATION))
             return times, incoming.path[ball, _steps(times), :3]
-        down = _time_down(self._simulator.fly(after, _frames(LONGEST_FLIGHT)))
+        flight = self._simulator.fly(after, _frames(LONGEST_FLIGHT))
+        on_floor = FRAME * np.flatnonzero(flight.states[0, :, 2] < FLOOR)
+        on_table = flight.contacts.time[flight.contacts.surface == TABLE]
+        down = float(min([*on_table, *on_floor, LONGEST_FLIGHT]))
         times = _frames(hit + down + AFTERWARDS)
         away = self._simulator.fly(after, times[times >= hit] - hit).states[0, :, :3]
         return times, np.concatenate([incoming.path[ball, _steps(times[times < hit]), :3], away])
@@ -112,13 +115,6 @@ def _joints(poses: list[Floats], times: Floats) -> Floats:
     values, speeds = np.stack(poses, axis=1)
     spline = CubicHermiteSpline(CONTROL_STEP * np.arange(len(poses)), values, speeds)
     return spline(np.maximum(times, 0.0))
-
-
-def _time_down(flight: Flight) -> float:
-    """Return when one ball, flown to ``_frames``, first touches the table or the floor, s."""
-    on_floor = FRAME * np.flatnonzero(flight.states[0, :, 2] < FLOOR)
-    on_table = flight.contacts.time[flight.contacts.surface == TABLE]
-    return float(min([*on_table, *on_floor, LONGEST_FLIGHT]))
 
 
 def _frames(end: float) -> Floats:

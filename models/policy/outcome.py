@@ -46,21 +46,17 @@ class Outcome:
 
 
 def judge(simulator: Simulator, after: Floats, goals: Goals) -> Outcome:
-    """Fly balls on from the racket and apply the rules.
-
-    Args:
-        simulator: flies the balls; a net is added where it has none.
-        after: (B, 9) states just after the racket.
-        goals: (B,) of the returns.
-    """
-    flight = with_net(simulator).fly(after, [LONGEST_FLIGHT])
-    met = flight.contacts
+    """Fly (B, 9) balls on from the racket, with a net in any case, and apply the rules."""
+    met = with_net(simulator).fly(after, [LONGEST_FLIGHT]).contacts
     ends = np.full(len(after), LONGEST_FLIGHT)
     times = np.where(np.isnan(met.time), np.inf, met.time)
     touches = ContactSequence(times, met.surface, met.after, ends)
     call = judge_strokes(touches, np.ones(len(after)), serve=False)
-    over_net, down = _without_net(simulator, after)
     touched = met.before[np.arange(len(after)), call.landing]
+    # Without a net and on an infinite table.
+    paths = simulator.without_surfaces().fly(after, SAMPLE_TIMES).states
+    above, rising = paths[..., 2] - BALL_RADIUS, paths[..., 5] >= 0
+    down = _zero_crossing(paths, np.where(rising, 1.0, above))
     landing = np.where(call.good[:, None], touched[:, :2], down[:, :2])
     return Outcome(
         returned=call.good,
@@ -68,7 +64,7 @@ def judge(simulator: Simulator, after: Floats, goals: Goals) -> Outcome:
         before_landing=np.where(call.good[:, None], touched, np.nan),
         landing=landing,
         distance=goals.distance(landing),
-        net_height=over_net[:, 2],
+        net_height=_zero_crossing(paths, -paths[..., 1])[:, 2],
         speed=np.linalg.norm(after[:, VELOCITY], axis=1),
         topspin=topspin(after),
     )
@@ -84,17 +80,6 @@ def topspin(states: Floats) -> Floats:
     _, _, _, vx, vy, _, wx, wy, _ = states.T
     along = np.maximum(np.hypot(vx, vy), 1e-9)
     return (wy * vx - wx * vy) / along
-
-
-def _without_net(simulator: Simulator, after: Floats) -> tuple[Floats, Floats]:
-    """Return where balls pass the net's plane and where they come down, (B, 3) each."""
-    paths = simulator.without_surfaces().fly(after, SAMPLE_TIMES).states
-    above = paths[..., 2] - BALL_RADIUS
-    rising = paths[..., 5] >= 0
-    return (
-        _zero_crossing(paths, -paths[..., 1]),
-        _zero_crossing(paths, np.where(rising, 1.0, above)),
-    )
 
 
 def _zero_crossing(paths: Floats, values: Floats) -> Floats:

@@ -48,15 +48,9 @@ class Policy:
     def act(self, observations: Observations) -> Singles:
         """Return (B, 5) actions in [-1, 1] for (B, O) observations."""
         rows = observations
-        for layer in self.layers[:-1]:
-            rows = np.maximum(_affine(rows, *layer), 0.0)
-        return np.tanh(_affine(rows, *self.layers[-1]))
-
-
-def _affine(rows: Singles, weight: Singles, bias: Singles) -> Singles:
-    """Return the (B, out) outputs of a layer for (B, in) rows.
-
-    Not ``@``: its order of summation, and so the last bit, depends on the number of cores; and its
-    threads contend with other processes, up to a hundred times slower.
-    """
-    return np.einsum("bi,oi->bo", rows, weight) + bias
+        for number, (weight, bias) in enumerate(self.layers, 1):
+            # Not ``@``: its order of summation, and so the last bit, depends on the number of
+            # cores; and its threads contend with other processes, up to a hundred times slower.
+            rows = np.einsum("bi,oi->bo", rows, weight) + bias
+            rows = np.maximum(rows, 0.0) if number < len(self.layers) else np.tanh(rows)
+        return rows

@@ -1,6 +1,6 @@
 """Racket contacts: when and where, within a control step, balls meet rackets."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -37,7 +37,7 @@ class RacketContacts:
 
     def __getitem__(self, rows: Bools) -> "RacketContacts":
         """Return some of the contacts."""
-        return RacketContacts(*(getattr(self, field.name)[rows] for field in fields(self)))
+        return RacketContacts(*(part[rows] for part in vars(self).values()))
 
 
 def racket_path(joints: Floats, speeds: Floats, substeps: int) -> Floats:
@@ -75,12 +75,10 @@ def find_contacts(balls: Floats, rackets: Floats, distance: Floats, live: Bools)
     near = live & (np.minimum(distance[:-1], distance[1:]) < NEAR)
     envs, steps = np.nonzero(near.T)
     if not len(envs):
-        none = np.zeros(0, dtype=np.int64)
-        return _contacts(none, np.zeros(0), balls, rackets, none)
-    before, after = (steps, envs), (steps + 1, envs)
-    contact = first_contact(
-        balls[before][:, :3], balls[after][:, :3], _racket(rackets[before]), _racket(rackets[after])
-    )
+        return _contacts(envs, np.zeros(0), balls, rackets, envs)
+    ends = (steps, envs), (steps + 1, envs)
+    poses = [Racket(*rackets[end].reshape(-1, 4, 3).swapaxes(0, 1)) for end in ends]
+    contact = first_contact(*(balls[end][:, :3] for end in ends), *poses)
     met = np.flatnonzero(contact.met)
     envs, first = np.unique(envs[met], return_index=True)
     row = met[first]
@@ -109,7 +107,3 @@ def _at(rows: Floats, envs: Integers, moments: Floats) -> Floats:
     step = np.minimum(moments.astype(np.int64), len(rows) - 2)
     share = (moments - step)[:, None]
     return rows[step, envs] + share * (rows[step + 1, envs] - rows[step, envs])
-
-
-def _racket(poses: Floats) -> Racket:
-    return Racket(poses[:, :3], poses[:, 3:6], poses[:, 6:9], poses[:, 9:])

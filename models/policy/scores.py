@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from rallygap.models.policy.trial import STYLE
+from rallygap.models.policy.episodes import STYLE
 
 
 def scores(played: pd.DataFrame) -> dict[str, float]:

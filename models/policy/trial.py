@@ -14,7 +14,7 @@ import pandas as pd
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.types import Floats, Integers
 from rallygap.models.policy.batch_simulation import BatchSimulation
-from rallygap.models.policy.episodes import Episodes
+from rallygap.models.policy.episodes import OUTCOMES, STYLE, Episodes
 from rallygap.models.policy.goals import Goals
 from rallygap.models.policy.incoming_balls import IncomingBalls
 from rallygap.models.policy.motion_recording import Motion, MotionRecorder
@@ -22,8 +22,6 @@ from rallygap.models.policy.policy import Policy
 from rallygap.models.policy.settings import ObservationKind
 
 ENVIRONMENTS = 32  # in one world; more are no faster, and all wait for the last ball
-OUTCOMES = ("hit", "returned", "fault", "nearest", "time", "backhand", "distance", "net_height")
-STYLE = ("speed", "topspin")  # goals that not every policy has
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,7 @@ class TrajectoryAutoencoder(nn.Module):
         """Return (B, 60, 9) normalised deviations from the baseline (``ForecastNetwork``)."""
         flat = input_rows(history, mask, residual, self.uniform_motion).flatten(1)
         joined = torch.cat([self.decoder(flat), self.code(self.encoder(flat))], dim=1)
-        future: Tensor = self.projection(relu(self.joined(joined)))
+        future = self.projection(relu(self.joined(joined)))
         return future.reshape(len(history), FUTURE, OUTPUTS)
 
 
@@ -89,7 +89,7 @@ class RecurrentAutoencoder(nn.Module):
     def forward(self, history: Tensor, mask: Tensor, residual: Tensor, expected: Tensor) -> Tensor:
         """Return (B, 60, 9) normalised deviations from the baseline (``ForecastNetwork``)."""
         states = self.encoder(input_rows(history, mask, residual, self.uniform_motion))
-        future: Tensor = self.projection(elu(self.decoder(states[:, -1])))
+        future = self.projection(elu(self.decoder(states[:, -1])))
         return future.reshape(len(history), FUTURE, OUTPUTS)
 
 

@@ -46,6 +46,7 @@ RESTART_PENALTY = 3
 SIZE = STATE_SIZE
 # Steps of central differences: m, m/s, rad/s.
 STEPS = np.repeat([1e-5, 1e-3, 1e-1], 3)
+PROBES = np.vstack([np.zeros(SIZE), np.diag(STEPS), -np.diag(STEPS)])
 
 
 @dataclass(frozen=True)
@@ -155,20 +156,8 @@ def _track(
 
 @compiled
 def advanced(x: Floats, P: Floats, dt: float, p: Floats) -> tuple[Floats, Floats]:
-    """Return mean and covariance ``dt`` seconds later, at most a tick.
-
-    Args:
-        x: (9,) mean.
-        P: (9, 9) covariance.
-        dt: s.
-        p: parameter vector of the simulator.
-    """
-    probes = np.empty((2 * SIZE + 1, SIZE))
-    probes[:] = x
-    for j in range(SIZE):
-        probes[1 + j, j] += STEPS[j]
-        probes[1 + SIZE + j, j] -= STEPS[j]
-    reached = fly(probes, np.full((len(probes), 1), dt), p)[0]
+    """Return (9,) mean and (9, 9) covariance ``dt`` s later, at most a tick; p of the simulator."""
+    reached = fly(x + PROBES, np.full((len(PROBES), 1), dt), p)[0]
     F = np.empty((SIZE, SIZE))
     for j in range(SIZE):
         F[:, j] = (reached[1 + j, 0] - reached[1 + SIZE + j, 0]) / (2 * STEPS[j])
@@ -197,16 +186,10 @@ def distance(x: Floats, P: Floats, position: Floats, R: Floats) -> float:
 
 @compiled
 def updated(x: Floats, P: Floats, measured: Floats, first: int, R: Floats) -> tuple[Floats, Floats]:
-    """Return mean and covariance after three components from ``first`` were measured.
+    """Return (9,) mean and (9, 9) covariance after three components from ``first`` were measured.
 
-    The covariance is in Joseph's form, which stays positive definite.
-
-    Args:
-        x: (9,) mean.
-        P: (9, 9) covariance.
-        measured: (3,) components.
-        first: of these components, 0 for a position and 6 for a spin.
-        R: (3, 3) covariance of the measurement.
+    ``first`` is 0 for a position and 6 for a spin, R the (3, 3) covariance of the measurement. The
+    result is in Joseph's form, which stays positive definite.
     """
     end = first + 3
     K = np.ascontiguousarray(P[:, first:end]) @ _inverse(P[first:end, first:end] + R)

@@ -93,5 +93,5 @@ def crps(errors: Errors, calibration: Calibration) -> Floats:
     size = scale[:, None] * np.sqrt(np.diagonal(errors.covariances, axis1=2, axis2=3))
     z = errors.away / size
     density = np.exp(-0.5 * z**2) / np.sqrt(2 * np.pi)
-    scores: Floats = size * (z * erf(z / np.sqrt(2)) + 2 * density - 1 / np.sqrt(np.pi))
+    scores = size * (z * erf(z / np.sqrt(2)) + 2 * density - 1 / np.sqrt(np.pi))
     return scores.mean(axis=2)

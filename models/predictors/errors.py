@@ -84,8 +84,7 @@ def _quantiles(rows: Floats, shares: list[float]) -> Floats:
         return np.quantile(rows, shares, axis=0)
     with warnings.catch_warnings():  # a horizon at which nothing was measured has none
         warnings.simplefilter("ignore", RuntimeWarning)
-        quantiles: Floats = np.nanquantile(rows, shares, axis=0)
-    return quantiles
+        return np.nanquantile(rows, shares, axis=0)
 
 
 def _resampled_means(

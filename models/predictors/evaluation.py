@@ -61,8 +61,8 @@ class ForecastErrors:
             for predictor, quantities in self.errors.items()
         }
         rows = concat_tables(frames, ["group", "predictor"])
-        last: pd.DataFrame = rows[rows["horizon_ms"] == HORIZONS_MS[-1]]
-        return last[["group", "predictor", *STATISTICS]]
+        last = rows["horizon_ms"] == HORIZONS_MS[-1]
+        return rows.loc[last, ["group", "predictor", *STATISTICS]]
 
     def differences(self, predictors: list[str]) -> pd.DataFrame:
         """Return the paired differences between the errors of ``predictors`` and of all others.
@@ -126,5 +126,4 @@ def concat_tables(frames: Mapping[Any, pd.DataFrame], names: list[str]) -> pd.Da
         frames: key, a tuple of strings, to table; at least one.
         names: of the keys' columns.
     """
-    table: pd.DataFrame = pd.concat(frames, names=names)
-    return table.reset_index(names).reset_index(drop=True)
+    return pd.concat(frames, names=names).reset_index(names).reset_index(drop=True)

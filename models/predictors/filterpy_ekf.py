@@ -17,6 +17,7 @@ from rallygap.models.predictors.ball_filter import (
     NOISE_TICK,
     OUTLIER_DISTANCE,
     POSITION_NOISE,
+    PROBES,
     RESTART_PENALTY,
     SPIN_DRIFT,
     SPIN_NOISE_FLOOR,
@@ -27,22 +28,14 @@ from rallygap.models.predictors.ball_filter import (
     Filtered,
 )
 from rallygap.models.predictors.physics import PhysicsPredictor
-from rallygap.models.predictors.propagation import PROBES
 from rallygap.models.predictors.protocol import TICK, Bools, Floats, History
 
-ONE, WHOLE = np.eye(3), np.eye(STATE_SIZE)
-NOISE_OF_POSITION = POSITION_NOISE**2 * ONE
+WHOLE = np.eye(STATE_SIZE)
+NOISE_OF_POSITION = POSITION_NOISE**2 * np.eye(3)
 
 
 class FilterpyPredictor(PhysicsPredictor):
-    """Filters the history with filterpy and simulates the flight from the filtered state.
-
-    Args:
-        simulator: of the ball and of the sensor.
-    """
-
-    def __init__(self, simulator: Simulator) -> None:
-        super().__init__(simulator)
+    """Filters the history with filterpy, whatever balls are expected, and flies on from there."""
 
     def _now(self, history: History) -> Filtered:
         true, tick = self._sensor.true_history(history), TICK / self._sensor.clock
@@ -50,13 +43,7 @@ class FilterpyPredictor(PhysicsPredictor):
 
 
 def filtered_by_filterpy(history: History, simulator: Simulator, tick: float = TICK) -> Filtered:
-    """Filter balls; one without any measured position is at the table's centre, at rest.
-
-    Args:
-        history: of B balls.
-        simulator: the motion model.
-        tick: s, between two states of the history.
-    """
+    """Filter balls as ``filtered`` does."""
     now = [
         _cheapest(states, mask, simulator, tick)
         for states, mask in zip(history.states, history.mask, strict=True)
@@ -85,21 +72,8 @@ class _BallFilter(ExtendedKalmanFilter):
         self.F = ((above - below) / (2 * STEPS[:, None])).T
         self.x = reached[0]
 
-    def update_position(self, position: Floats) -> bool:
-        """Take a measured position, unless it is an outlier; return whether it was taken."""
-        y = position - self.x[POSITION]
-        S = self.P[POSITION, POSITION] + NOISE_OF_POSITION
-        expected = bool(y @ np.linalg.solve(S, y) < OUTLIER_DISTANCE)
-        if expected:
-            self._update_part(position, POSITION, NOISE_OF_POSITION)
-        return expected
-
-    def update_spin(self, spin: Floats) -> None:
-        """Take a spin label."""
-        noise = SPIN_NOISE_SHARE * float(np.linalg.norm(spin)) + SPIN_NOISE_FLOOR
-        self._update_part(spin, SPIN, noise**2 * ONE)
-
-    def _update_part(self, z: Floats, part: slice, R: Floats) -> None:
+    def update_part(self, z: Floats, part: slice, R: Floats) -> None:
+        """Take measured components of the state, with covariance R."""
         self.update(z, lambda _: WHOLE[part], lambda x: x[part], R=R)
 
 
@@ -131,10 +105,16 @@ def _tracked(
     for k, (measured, there) in enumerate(zip(states, mask, strict=True)):
         if k > 0:
             ball.predict()
-        if there[:3].all() and not ball.update_position(measured[:3]):
-            outliers.append(k)
+        if there[:3].all():
+            y = measured[:3] - ball.x[POSITION]
+            S = ball.P[POSITION, POSITION] + NOISE_OF_POSITION
+            if y @ np.linalg.solve(S, y) < OUTLIER_DISTANCE:
+                ball.update_part(measured[:3], POSITION, NOISE_OF_POSITION)
+            else:
+                outliers.append(k)
         if there[3:].all():
-            ball.update_spin(measured[3:])
+            noise = SPIN_NOISE_SHARE * float(np.linalg.norm(measured[3:])) + SPIN_NOISE_FLOOR
+            ball.update_part(measured[3:], SPIN, noise**2 * np.eye(3))
     return ball, outliers
 
 

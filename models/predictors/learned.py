@@ -66,23 +66,19 @@ class ForecastNetwork(nn.Module):
 
     def factors(self, spread: Spread, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
         """Return (B, 60, 3, 3) factors A, m, of the covariances A'A of the states' positions."""
-        normaliser = self.normaliser
-        rows = spread(
-            normaliser.normalised(history, mask, motion),
-            mask,
-            normaliser.residual(history, mask, motion),
-        ).mT
-        return normaliser.distances(rows.flatten(1, 2), motion).view(rows.shape)
+        rows = spread(*self.inputs(history, mask, motion)).mT
+        return self.normaliser.distances(rows.flatten(1, 2), motion).view(rows.shape)
 
     def deviation(self, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
         """Return the (B, 60, 9) normalised deviations from the baseline, which training fits."""
+        inputs = self.inputs(history, mask, motion)
+        return self.network(*inputs, self.normaliser.expected(motion))
+
+    def inputs(self, history: Tensor, mask: Tensor, motion: Tensor) -> tuple[Tensor, ...]:
+        """Return the first three inputs of the network, which are those of a spread."""
         normaliser = self.normaliser
-        return self.network(
-            normaliser.normalised(history, mask, motion),
-            mask,
-            normaliser.residual(history, mask, motion),
-            normaliser.expected(motion),
-        )
+        normalised = normaliser.normalised(history, mask, motion)
+        return normalised, mask, normaliser.residual(history, mask, motion)
 
     @property
     def parameter_count(self) -> int:
@@ -97,16 +93,16 @@ def build_network(settings: NetworkSettings, simulator: Simulator | None = None)
         settings: of the network.
         simulator: that its settings name, if it is a hybrid.
     """
-    sizes = settings.model_dump(exclude={"kind"})
+    sizes = settings.model_dump(exclude={"kind", "simulator"})
     if isinstance(settings, TaeSettings):
         return ForecastNetwork(TrajectoryAutoencoder(**sizes))
     if isinstance(settings, GruTaeSettings):
         return ForecastNetwork(RecurrentAutoencoder(**sizes))
-    if isinstance(settings, HybridSettings):
-        transformer = Transformer(**{key: sizes[key] for key in sizes if key != "simulator"})
-        transformer.start_at_baseline()
-        return ForecastNetwork(transformer, PhysicsPredictor(simulator) if simulator else None)
-    return ForecastNetwork(Transformer(**sizes))
+    transformer = Transformer(**sizes)
+    if not isinstance(settings, HybridSettings):
+        return ForecastNetwork(transformer)
+    transformer.start_at_baseline()
+    return ForecastNetwork(transformer, PhysicsPredictor(simulator) if simulator else None)
 
 
 class LearnedPredictor:

@@ -61,7 +61,7 @@ class Normaliser(nn.Module):
         """Compute mean and spread of every column from training windows.
 
         Args:
-            history: (B, 12, 6) measured positions (m) and spins (rad/s).
+            history: (B, 12, 6) measured positions (m) and spins (rad/s), here and below.
             mask: (B, 12, 6) where they were measured.
             future: (B, 60, 9) measured positions, velocities (m/s) and spins.
             measured: (B, 60, 9) where they were measured.
@@ -79,13 +79,7 @@ class Normaliser(nn.Module):
         )
 
     def normalised(self, history: Tensor, mask: Tensor, motion: Tensor) -> Tensor:
-        """Return (B, 12, 6) standardised measurements, zero where there are none.
-
-        Args:
-            history: (B, 12, 6) measurements.
-            mask: (B, 12, 6) where they were measured.
-            motion: (B, 60, 9) the baseline, here and below.
-        """
+        """Return (B, 12, 6) standardised measurements, zero where there are none."""
         viewed = _network_view(history, motion)
         return torch.where(mask, (viewed - self.history_mean) / self.history_spread, 0.0)
 

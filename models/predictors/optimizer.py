@@ -27,16 +27,15 @@ class StackedMuon(Muon):
     def step(self, closure: None = None) -> None:  # type: ignore[override]
         """Take one step along the gradients."""
         for group in self.param_groups:
-            sorted_by_size = sorted(group["params"], key=_wide_size)
-            for _, members in groupby(sorted_by_size, key=_wide_size):
+            ordered = sorted(group["params"], key=_wide_size)
+            for _, members in groupby(ordered, key=_wide_size):
                 self._update_matrices(list(members), group)
 
     def _update_matrices(self, members: list[Tensor], group: dict[str, Any]) -> None:
         """Update matrices of one size, tall or wide."""
+        velocities = [_wide(self._velocity(matrix, group["momentum"])) for matrix in members]
         directions = _orthogonal(
-            torch.stack([_wide(self._velocity(matrix, group["momentum"])) for matrix in members]),
-            group["ns_coefficients"],
-            group["ns_steps"],
+            torch.stack(velocities), group["ns_coefficients"], group["ns_steps"]
         )
         for matrix, direction in zip(members, directions, strict=True):
             rate = group["lr"] * max(1.0, matrix.shape[0] / matrix.shape[1]) ** 0.5
@@ -69,7 +68,7 @@ def _orthogonal(stack: Tensor, coefficients: tuple[float, float, float], steps: 
     """
     a, b, c = coefficients
     norms = stack.norm(dim=(1, 2), keepdim=True)
-    parts: Tensor = torch.where(norms < MIN_NORM, 0.0, stack / norms.clamp(min=MIN_NORM))
+    parts = torch.where(norms < MIN_NORM, 0.0, stack / norms.clamp(min=MIN_NORM))
     for _ in range(steps):
         gram = parts @ parts.mT
         change = torch.baddbmm(gram, gram, gram, beta=b, alpha=c)

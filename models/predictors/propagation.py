@@ -6,9 +6,13 @@ from rallygap.models.ball.compose import compiled
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import STATE_SIZE
 from rallygap.models.ball.types import Floats
-from rallygap.models.predictors.ball_filter import ACCELERATION_NOISE, NOISE_TICK, SPIN_DRIFT, STEPS
-
-PROBES = np.vstack([np.zeros(STATE_SIZE), np.diag(STEPS), -np.diag(STEPS)])
+from rallygap.models.predictors.ball_filter import (
+    ACCELERATION_NOISE,
+    NOISE_TICK,
+    PROBES,
+    SPIN_DRIFT,
+    STEPS,
+)
 
 
 def propagated(
@@ -18,7 +22,7 @@ def propagated(
     ahead: Floats,
     components: int = STATE_SIZE,
 ) -> tuple[Floats, Floats]:
-    """Return means and covariances of balls at coming times.
+    """Return (B, T, 9) means and (B, T, C, C) covariances of balls at coming times.
 
     The covariance is linear in that of the state, contacts included, with the process noise of the
     filter (ball_filter.py) as it grows in free flight.
@@ -29,22 +33,17 @@ def propagated(
         covariances: (B, 9, 9) of these.
         ahead: (T,) s from now, not falling.
         components: C, the first ones of a state, whose covariances are wanted.
-
-    Returns:
-        (B, T, 9) means and (B, T, C, C) covariances.
     """
     count = len(states)
     probes = (states[:, None] + PROBES).reshape(-1, STATE_SIZE)
     flown = simulator.fly(probes, ahead).states
     flown = flown.reshape(count, len(PROBES), len(ahead), STATE_SIZE)
     growth = GROWTH[:, :components, :components]
-    return flown[:, 0], _covariances(flown, covariances, ahead, STEPS, growth)
+    return flown[:, 0], _covariances(flown, covariances, ahead, growth)
 
 
 @compiled
-def _covariances(
-    flown: Floats, now: Floats, ahead: Floats, steps: Floats, growth: Floats
-) -> Floats:
+def _covariances(flown: Floats, now: Floats, ahead: Floats, growth: Floats) -> Floats:
     """Return (B, T, C, C) covariances of (B, 19, T, 9) probes, from (B, 9, 9) now."""
     balls, _, times, size = flown.shape
     count = growth.shape[1]
@@ -55,7 +54,7 @@ def _covariances(
             for j in range(size):
                 for i in range(count):
                     change = flown[b, 1 + j, t, i] - flown[b, 1 + size + j, t, i]
-                    slopes[i, j] = change / (2 * steps[j])
+                    slopes[i, j] = change / (2 * STEPS[j])
             span = max(ahead[t], 0.0)
             _multiply(slopes, now[b], half)
             _multiply(half, slopes.T, found[b, t])

@@ -47,5 +47,4 @@ class Spread(nn.Module):
         factors = values.new_zeros((*values.shape[:2], 3, 3))
         factors[..., _ROWS, _COLUMNS] = values
         diagonal = torch.diagonal(factors, dim1=2, dim2=3).exp()
-        lower: Tensor = factors.tril(-1) + torch.diag_embed(diagonal)
-        return self.sizes[..., None] * lower
+        return self.sizes[..., None] * (factors.tril(-1) + torch.diag_embed(diagonal))

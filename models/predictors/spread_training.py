@@ -28,7 +28,10 @@ def fit_spread(network: ForecastNetwork, tracks: Tracks, seed: int) -> Spread:
     torch.manual_seed(seed)
     spread, random = Spread(), np.random.default_rng(seed)
     some = tracks.draw_anchors(random.integers(0, tracks.episodes, FIRST_FIT), random)
-    spread.sizes.copy_(_typical_errors(network, tracks.windows(some)))
+    window = tracks.windows(some)
+    errors, known = _errors(network, window, network.baseline(*window[:2]))
+    sizes = torch.where(known[..., None], errors.abs(), torch.nan).nanmedian(dim=0).values
+    spread.sizes.copy_(NORMAL_SPREAD * sizes.nan_to_num(1.0).clamp(min=LEAST_SIZE))
     optimizer = Adam(spread.parameters(), lr=LEARNING_RATE)
     steps = EPOCHS * -(-tracks.episodes // BATCH)
     schedule = CosineAnnealingLR(optimizer, steps)
@@ -43,13 +46,6 @@ def fit_spread(network: ForecastNetwork, tracks: Tracks, seed: int) -> Spread:
     return spread.eval()
 
 
-def _typical_errors(network: ForecastNetwork, window: Window) -> Tensor:
-    """Return the (60, 3) typical sizes of normalised position errors."""
-    errors, known = _errors(network, window, network.baseline(*window[:2]))
-    sizes = torch.where(known[..., None], errors.abs(), torch.nan).nanmedian(dim=0).values
-    return NORMAL_SPREAD * sizes.nan_to_num(1.0).clamp(min=LEAST_SIZE)
-
-
 def _errors(network: ForecastNetwork, window: Window, motion: Tensor) -> tuple[Tensor, Tensor]:
     """Return (B, 60, 3) normalised errors of positions, and (B, 60) where they are known."""
     history, mask, future, measured = window
@@ -62,10 +58,9 @@ def _errors(network: ForecastNetwork, window: Window, motion: Tensor) -> tuple[T
 def _loss(network: ForecastNetwork, spread: Spread, window: Window) -> Tensor:
     """Return the negative log likelihood of measured positions, but for a constant."""
     history, mask, _, _ = window
-    motion, normaliser = network.baseline(history, mask), network.normaliser
+    motion = network.baseline(history, mask)
     errors, known = _errors(network, window, motion)
-    normalised = normaliser.normalised(history, mask, motion)
-    factors = spread(normalised, mask, normaliser.residual(history, mask, motion))
+    factors = spread(*network.inputs(history, mask, motion))
     scaled = torch.linalg.solve_triangular(factors, errors[..., None], upper=False)[..., 0]
     distance = scaled.square().sum(dim=2)
     volume = torch.diagonal(factors, dim1=2, dim2=3).log().sum(dim=2)

@@ -115,7 +115,7 @@ class Embedding(nn.Module):
     def of_zeros(self, count: int, first: int) -> Tensor:
         """Return (count, T, width) of rows of zeros from ``first`` on, after one of zeros."""
         assert self.projection.bias is not None  # by default
-        rows: Tensor = self.projection.bias + self.positions[first:]
+        rows = self.projection.bias + self.positions[first:]
         return rows.expand(count, -1, -1)
 
 

@@ -7,11 +7,11 @@ either; the future leaves them out.
 """
 
 from dataclasses import dataclass
-from itertools import compress
 
 import numpy as np
 
 from rallygap.models.predictors.protocol import (
+    FUTURE,
     FUTURE_TIMES,
     HISTORY,
     HISTORY_TIMES,
@@ -79,21 +79,19 @@ class Windows:
 def cut_windows(episode: Episode, every: float) -> Windows:
     """Cut an episode into windows: after its first 12 ticks, then every ``every`` seconds."""
     tried = _anchors(episode, every)
-    pasts = [observed_at(episode, anchor + HISTORY_TIMES, until=anchor) for anchor in tried]
-    kept = [int(mask[:, :3].all(axis=1).sum()) >= MIN_OBSERVED for _, mask in pasts]
-    anchors = tried[np.array(kept, dtype=bool)]
-    histories = list(compress(pasts, kept))
-    futures = [measured_at(episode, anchor + FUTURE_TIMES) for anchor in anchors]
-    shape = (len(anchors), len(HISTORY_TIMES), 6)
-    states = np.array([states for states, _ in histories]).reshape(shape)
-    mask = np.array([mask for _, mask in histories], dtype=bool).reshape(shape)
-    wide = (len(anchors), len(FUTURE_TIMES), 9)
-    future = np.array([future for future, _ in futures]).reshape(wide)
-    measured = np.array([measured for _, measured in futures], dtype=bool).reshape(wide)
-    ahead = anchors[:, None] + FUTURE_TIMES
-    met = [(anchors[:, None] < bounce) & (bounce <= ahead) for bounce in episode.bounces]
-    bounced = np.any(met, axis=0) if met else np.zeros(ahead.shape, dtype=bool)
-    return Windows(History(states, mask), anchors, future, measured, bounced)
+    states = np.zeros((len(tried), HISTORY, 6))
+    mask = np.zeros(states.shape, dtype=bool)
+    for row, anchor in enumerate(tried):
+        states[row], mask[row] = observed_at(episode, anchor + HISTORY_TIMES, until=anchor)
+    kept = mask[:, :, :3].all(axis=2).sum(axis=1) >= MIN_OBSERVED
+    anchors = tried[kept]
+    future = np.zeros((len(anchors), FUTURE, 9))
+    measured = np.zeros(future.shape, dtype=bool)
+    for row, anchor in enumerate(anchors):
+        future[row], measured[row] = measured_at(episode, anchor + FUTURE_TIMES)
+    since, ahead = anchors[:, None, None], (anchors[:, None] + FUTURE_TIMES)[:, :, None]
+    bounced = ((since < episode.bounces) & (episode.bounces <= ahead)).any(axis=2)
+    return Windows(History(states[kept], mask[kept]), anchors, future, measured, bounced)
 
 
 def concatenate_windows(parts: list[Windows]) -> Windows:
@@ -108,7 +106,7 @@ def _anchors(episode: Episode, every: float) -> Floats:
     first = episode.times[0] - HISTORY_TIMES[0] - TICK / 2
     last = episode.times[-1] - MIN_FUTURE
     sample = np.searchsorted(episode.times, np.arange(first, last, every))
-    anchors: Floats = np.unique(episode.times[sample])
+    anchors = np.unique(episode.times[sample])
     return anchors[anchors <= last + ROUNDING]
 
 

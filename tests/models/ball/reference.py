@@ -5,37 +5,42 @@ product can hardly hide in its oracle.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 MASS, RADIUS, DENSITY = 2.7e-3, 0.02, 1.2
-AREA, VOLUME = np.pi * RADIUS**2, 4 / 3 * np.pi * RADIUS**3
+DRAG = DENSITY * np.pi * RADIUS**2 / (2 * MASS)
+LIFT = DENSITY * 4 / 3 * np.pi * RADIUS**3 / MASS
 
 
 @dataclass(frozen=True)
 class Physics:
-    """The nominal model and a few effects, in the symbols of the literature."""
+    """The nominal model and a few effects, in the symbols of the literature.
 
-    g: float = 9.81
-    cd: float = 0.55
-    cm: float = 0.069
+    Coefficients of drag and lift may be functions of speed and spin ratio; ``other`` is a further
+    acceleration by the velocity in the air.
+    """
+
+    gravity: Any = (0.0, 0.0, -9.81)
+    cd: Any = 0.55
+    cm: Any = 0.069
     restitution: float = 0.93
     friction: float = 0.25
     wind: tuple[float, float, float] = (0.0, 0.0, 0.0)
     spin_decay: float = 0.0
-    lift_saturation: float = 0.0
+    other: Any = lambda u: 0.0 * u
+    mass: float = 1.0
 
     def derivative(self, _time, state):
         velocity, spin = state[3:6], state[6:9]
         u = velocity - np.array(self.wind)
         speed = np.linalg.norm(u)
         ratio = RADIUS * np.linalg.norm(spin) / speed
-        lift = DENSITY * VOLUME / MASS * self.cm
-        lift *= (1 + self.lift_saturation / 2) / (1 + self.lift_saturation * ratio)
-        acceleration = -DENSITY * AREA / (2 * MASS) * self.cd * speed * u
-        acceleration += lift * np.cross(spin, u) + np.array([0, 0, -self.g])
-        return np.concatenate([velocity, acceleration, -self.spin_decay * speed * spin])
+        cd, cm = (c(speed, ratio) if callable(c) else c for c in (self.cd, self.cm))
+        force = self.gravity - DRAG * cd * speed * u + LIFT * cm * np.cross(spin, u) + self.other(u)
+        return np.concatenate([velocity, force / self.mass, -self.spin_decay * speed * spin])
 
     def bounce(self, state):
         """The matrices of Nakashima 2010 and 2011, as printed, for a level table."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rallygap.models.ball.contact_laws import NET, ROLLING
@@ -13,9 +13,10 @@ from rallygap.models.ball.state import (
     TABLE_HALF_LENGTH,
     TABLE_HALF_WIDTH,
 )
-from tests.models.ball.balls import INERTIA, NOMINAL, energy, served_balls, simulator, vectors
+from tests.models.ball.balls import INERTIA, NOMINAL, energy, served_balls, simulator
 
 RACKET = simulator(racket_bounce={"restitution": 0.878, "speed_loss": 0.02, "kp": 0.0019})
+NET_PLAY = NOMINAL.amended("net", restitution=0.2, friction=0.5)
 TIMES = np.arange(1, 161) * 0.005
 
 
@@ -33,66 +34,31 @@ def landing(ball):
     return low
 
 
-def normal_at(state, surface_point):
-    away = state[:3] - surface_point
-    return away / np.linalg.norm(away)
-
-
 def angular_momentum(state, normal):
     """About the contact point."""
     orbital = BALL_MASS * BALL_RADIUS * np.cross(normal, state[3:6])
     return orbital + INERTIA * state[6:9]
 
 
-@given(served_balls())
-@settings(max_examples=200)
-def test_table_contacts_conserve_angular_momentum_and_lose_energy(ball):
-    before, after = contact(landing(ball))
+@given(served_balls(), st.floats(0, 1), st.floats(0.05, 2), st.floats(0, 1))
+@settings(max_examples=150)
+def test_a_table_conserves_angular_momentum_gives_no_energy_and_limits_slip(
+    ball, restitution, friction, elasticity
+):
+    table = NOMINAL.amended("table_bounce", restitution=restitution, friction=friction)
+    before, after = contact(landing(ball), table.amended("tangential_elasticity", et=elasticity))
     up = np.array([0.0, 0.0, 1.0])
     np.testing.assert_allclose(
         angular_momentum(after, up), angular_momentum(before, up), rtol=1e-12, atol=1e-15
     )
     assert energy(after) <= energy(before) * (1 + 1e-14)
 
-
-@given(served_balls(), st.floats(0, 1), st.floats(0, 2), st.floats(0, 1))
-@settings(max_examples=200)
-def test_no_table_gives_energy(ball, restitution, friction, elasticity):
-    table = simulator(
-        gravity={"g": 9.81},
-        table_bounce={"restitution": restitution, "friction": friction},
-        tangential_elasticity={"et": elasticity},
-    )
-    before, after = contact(landing(ball), table)
-    assert energy(after) <= energy(before) * (1 + 1e-14)
-
-
-@given(served_balls(), st.floats(0.05, 2.0))
-@settings(max_examples=200)
-def test_friction_never_reverses_the_slip(ball, friction):
-    before, after = contact(landing(ball), NOMINAL.amended("table_bounce", friction=friction))
-
     def slip(s):
         return s[3:5] + BALL_RADIUS * np.array([-s[7], s[6]])
 
     left = slip(after) @ slip(before) / (slip(before) @ slip(before))
-    assert -1e-9 <= left <= 1.0
+    assert -elasticity - 1e-9 <= left <= 1.0
     assert ROLLING * 2.5 == 1.0  # rolling takes the whole slip of a thin shell
-
-
-@given(vectors(15.0), vectors(300.0), vectors(10.0), vectors(1.0))
-@settings(max_examples=200)
-def test_a_racket_conserves_angular_momentum_and_loses_energy_in_its_frame(v, w, racket, n):
-    assume(np.linalg.norm(n) > 0.1)
-    n = n / np.linalg.norm(n)
-    before = np.concatenate([[0, 0, 1], v, w])
-    assume((v - racket) @ n < -0.1)
-    after = RACKET.strike(before, n, racket)[0]
-    frame = np.concatenate([np.zeros(3), racket, np.zeros(3)])
-    np.testing.assert_allclose(
-        angular_momentum(after, n), angular_momentum(before, n), rtol=1e-9, atol=1e-12
-    )
-    assert energy(after - frame) <= energy(before - frame) * (1 + 1e-12)
 
 
 def test_a_ball_that_leaves_the_racket_is_not_struck():
@@ -104,19 +70,23 @@ def test_a_ball_that_leaves_the_racket_is_not_struck():
 def test_an_edge_ball_leaves_along_the_line_from_the_edge(beyond):
     ball = [0, TABLE_HALF_LENGTH + beyond, 0.3, 0, 0, -1.0, 0, 0, 0]
     before, after = contact(ball, NOMINAL.amended("table_bounce", friction=0.0))
-    normal = normal_at(before, np.array([0, TABLE_HALF_LENGTH, 0]))
-    kick = after[3:6] - before[3:6]
-    assert np.linalg.norm(before[:3] - [0, TABLE_HALF_LENGTH, 0]) == pytest.approx(BALL_RADIUS)
-    np.testing.assert_allclose(kick / np.linalg.norm(kick), normal, atol=1e-9)
+    away, kick = before[:3] - [0, TABLE_HALF_LENGTH, 0], after[3:6] - before[3:6]
+    assert np.linalg.norm(away) == pytest.approx(BALL_RADIUS)
+    np.testing.assert_allclose(kick / np.linalg.norm(kick), away / BALL_RADIUS, atol=1e-9)
 
 
 @pytest.mark.parametrize(
-    ("x", "y"), [(0, TABLE_HALF_LENGTH + 0.021), (TABLE_HALF_WIDTH + 0.021, 0.5)]
+    "ball",
+    [
+        [0, TABLE_HALF_LENGTH + 0.021, 0.3, 0, 0, -1, 0, 0, 0],
+        [TABLE_HALF_WIDTH + 0.021, 0.5, 0.3, 0, 0, -1, 0, 0, 0],
+        [0, 0.4, 0.25, 0, -6, 1, 0, 0, 0],
+        [0.95, 0.4, 0.1, 0, -6, 1, 0, 0, 0],
+    ],
+    ids=["behind the table", "beside the table", "over the net", "beside the net"],
 )
-def test_a_ball_beside_the_table_falls_past_it(x, y):
-    flight = NOMINAL.fly([x, y, 0.3, 0, 0, -1.0, 0, 0, 0], TIMES)
-    assert flight.contacts.count[0] == 0
-    assert flight.states[0, -1, 2] < -0.5
+def test_a_ball_that_passes_a_surface_touches_nothing(ball):
+    assert NET_PLAY.fly(ball, TIMES[:20]).contacts.count[0] == 0
 
 
 def test_a_ball_from_below_bounces_off_the_underside():
@@ -125,19 +95,8 @@ def test_a_ball_from_below_bounces_off_the_underside():
     assert after[5] == pytest.approx(-0.93 * before[5])
 
 
-NET_PLAY = NOMINAL.amended("net", restitution=0.2, friction=0.5)
-
-
 def test_a_ball_on_the_cord_hops_over():
     flight = NET_PLAY.fly([0, 0.4, NET_HEIGHT + 0.012, 0, -6, 0.35, 0, 0, 0], TIMES)
     assert flight.contacts.surface[0, 0] == NET
     assert flight.contacts.after[0, 0, 5] > flight.contacts.before[0, 0, 5]
     assert flight.states[0, -1, 1] < 0
-
-
-@pytest.mark.parametrize(
-    "ball", [[0, 0.4, 0.25, 0, -6, 1, 0, 0, 0], [0.95, 0.4, 0.1, 0, -6, 1, 0, 0, 0]]
-)
-def test_a_ball_over_or_beside_the_net_passes(ball):
-    contacts = NET_PLAY.fly(ball, TIMES[:20]).contacts
-    assert NET not in contacts.surface[0]

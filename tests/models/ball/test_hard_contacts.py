@@ -91,12 +91,9 @@ def test_friction_has_no_grip_below_zero():
     np.testing.assert_allclose(contacts.after[0, 0, 3:5], contacts.before[0, 0, 3:5])
 
 
-def test_an_effect_of_the_table_does_not_make_a_table():
+def test_effects_at_their_bounds_neither_make_nor_remove_a_surface():
     floating = simulator(gravity={"g": 9.81}, spin_dependent_restitution={"c": -0.1})
     assert floating.fly([0, 1, 0.3, 0, 0, 0, 0, 0, 0], TIMES).contacts.count[0] == 0
-
-
-def test_a_racket_that_swallows_all_speed_is_still_there():
     dead = simulator(racket_bounce={"restitution": 0.1, "speed_loss": 0.1, "kp": 0.0})
     after = dead.strike([0, 0, 1, 0, -30, 0, 0, 0, 0], [0, 2, 0], [0, 0, 0])[0]
     assert after[4] == pytest.approx(0.0)

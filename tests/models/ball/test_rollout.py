@@ -1,15 +1,41 @@
-"""Whole shots: contact times, an independent integrator, symmetries."""
+"""Flights against closed forms, an independent integrator, and symmetries."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rallygap.models.ball.flight import flight_environment, step
 from rallygap.models.ball.state import BALL_RADIUS, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
 from tests.models.ball.balls import NOMINAL, energy, served_balls, simulator
 from tests.models.ball.reference import Physics
 
 TIMES = np.arange(1, 121) * 0.005
+THROWN = np.array([0.1, 1.2, 0.6, 0.5, -9.0, 1.5, -120.0, 40.0, 30.0])
+
+
+@pytest.mark.parametrize("along", [(0.0, -9.0, 1.5), (14.0, 14.0, 4.0)])
+def test_the_step_converges_with_order_four(along):
+    p = NOMINAL.vector
+    start = (0.0, 0.0, 5.0, *along, -300.0, 200.0, 100.0)
+
+    def end(steps):
+        state = start
+        for _ in range(steps):
+            state = step(state, 0.32 / steps, p, flight_environment(p))
+        return np.array(state)
+
+    errors = [np.abs(end(n) - end(1024)).max() for n in (8, 16, 32)]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    np.testing.assert_allclose(orders, 4.0, atol=0.25)
+
+
+def test_times_before_the_state_fly_backwards():
+    there = NOMINAL.fly(THROWN, [0.05, 0.1]).states[0]
+    back = NOMINAL.fly(there[1], [-0.1, -0.05, 0.0]).states[0]
+    np.testing.assert_allclose(back[0], THROWN, atol=1e-8)
+    np.testing.assert_allclose(back[1], there[0], atol=1e-8)
+    np.testing.assert_array_equal(back[2], there[1])
 
 
 def over_the_table(states):
@@ -35,9 +61,13 @@ def drawn_balls(count, fastest, most_spin):
 def test_agrees_with_an_independent_integrator(fastest, spin, bound):
     effects = {"wind": {"x": 0.3, "y": -0.2, "z": 0.1}, "spin_decay": {"c": 0.004}}
     sim = simulator(**NOMINAL.to_dict(), **effects, lift_saturation={"kappa": 5.0})
-    reference = Physics(wind=(0.3, -0.2, 0.1), spin_decay=0.004, lift_saturation=5.0)
+    reference = Physics(
+        wind=(0.3, -0.2, 0.1),
+        spin_decay=0.004,
+        cm=lambda _, ratio: 0.069 * (1 + 5.0 / 2) / (1 + 5.0 * ratio),
+    )
     bounces = 0
-    for ball in drawn_balls(40, fastest, spin):
+    for ball in drawn_balls(25, fastest, spin):
         expected, times = reference.fly(ball, TIMES)
         flight = sim.fly(ball, TIMES)
         seen = over_the_table(expected)
@@ -45,7 +75,7 @@ def test_agrees_with_an_independent_integrator(fastest, spin, bound):
         for k, time in enumerate(t for t in times if seen and t < TIMES[seen - 1]):
             assert flight.contacts.time[0, k] == pytest.approx(time, abs=1e-9)
             bounces += 1
-    assert bounces > 20
+    assert bounces > 12
 
 
 def test_bounces_in_a_vacuum_come_when_they_must():
@@ -68,26 +98,18 @@ def test_a_resting_ball_that_rolls_over_the_edge_falls():
     sim = simulator(gravity={"g": 9.81}, table_bounce={"restitution": 0.0, "friction": 0.0})
     ball = [0, TABLE_HALF_LENGTH - 0.1, BALL_RADIUS, 0, 1.0, 0, 0, 0, 0]
     states = sim.fly(ball, np.arange(1, 101) * 0.01).states[0]
-    assert states[5, 2] == pytest.approx(BALL_RADIUS, abs=1e-6)
+    np.testing.assert_allclose(states[:8, 2], BALL_RADIUS, atol=1e-6)
     assert states[-1, 2] < -1.0
 
 
 @given(served_balls(35.0, 1000.0))
-@settings(max_examples=150)
-def test_no_ball_sinks_through_the_table(ball):
-    states = NOMINAL.fly(ball, np.arange(1, 801) * 0.001).states[0]
-    on_table = (np.abs(states[:, 0]) < TABLE_HALF_WIDTH) & (
-        np.abs(states[:, 1]) < TABLE_HALF_LENGTH
-    )
-    first_out = np.argmin(on_table) if not on_table.all() else len(states)
-    assert (states[:first_out, 2] >= BALL_RADIUS - 1e-9).all()
-
-
-@given(served_balls())
-@settings(max_examples=100)
-def test_energy_never_grows_in_still_air(ball):
-    states = NOMINAL.fly(ball, TIMES).states[0]
-    total = energy(np.vstack([ball, states]), g=9.81)
+@settings(max_examples=60)
+def test_no_ball_sinks_through_the_table_or_gains_energy(ball):
+    states = np.vstack([ball, NOMINAL.fly(ball, np.arange(1, 601) * 0.001).states[0]])
+    inside = np.abs(states[:, :2]) < [TABLE_HALF_WIDTH, TABLE_HALF_LENGTH]
+    on_table = np.logical_and.accumulate(inside.all(axis=1))
+    assert (states[on_table, 2] >= BALL_RADIUS - 1e-9).all()
+    total = energy(states, g=9.81)
     assert (np.diff(total) <= 1e-9 * total[0]).all()
 
 
@@ -103,16 +125,16 @@ def turned(state):
 
 @pytest.mark.parametrize("image", [mirrored, turned])
 @given(served_balls(35.0, 1000.0))
-@settings(max_examples=100)
+@settings(max_examples=40)
 def test_the_image_of_a_shot_flies_the_image_of_its_path(image, ball):
     flown, seen = NOMINAL.fly(ball, TIMES).states, NOMINAL.fly(image(ball), TIMES).states
     np.testing.assert_allclose(seen, image(flown), atol=1e-9)
 
 
 @given(served_balls(), st.floats(-np.pi, np.pi))
-@settings(max_examples=100)
+@settings(max_examples=40)
 def test_flight_does_not_depend_on_the_heading_of_the_frame(ball, angle):
-    free = simulator(**{k: v for k, v in NOMINAL.to_dict().items() if k != "table_bounce"})
+    free = NOMINAL.without_surfaces()
     c, s = np.cos(angle), np.sin(angle)
     turn = np.kron(np.eye(3), [[c, -s, 0], [s, c, 0], [0, 0, 1]])
     flown, image = free.fly(ball, TIMES).states, free.fly(turn @ ball, TIMES).states
@@ -120,7 +142,7 @@ def test_flight_does_not_depend_on_the_heading_of_the_frame(ball, angle):
 
 
 @given(served_balls(), st.lists(st.floats(0.001, 0.6), min_size=1, max_size=8))
-@settings(max_examples=100)
+@settings(max_examples=40)
 def test_states_hardly_depend_on_the_times_asked_for(ball, times):
     asked = np.sort(np.array([*times, 0.6]))
     np.testing.assert_allclose(

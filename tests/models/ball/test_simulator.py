@@ -43,30 +43,19 @@ def test_an_unknown_simulator_is_named_with_those_that_exist():
 
 
 @pytest.mark.parametrize(
-    ("description", "says"),
-    [
-        ({"dragg": {"cd": 0.4}}, "did you mean drag"),
-        ({"drag": {"c_d": 0.4}}, "did you mean cd"),
-        ({"drag": {"cd": "much"}}, "a number from 0 to 1.5"),
-        ({"drag": {"cd": float("nan")}}, "a number from 0 to 1.5"),
-        ({"drag": {"cd": True}}, "a number from 0 to 1.5"),
-        ({"drag": {"cd": -0.1}}, "a number from 0 to 1.5"),
-        ({"drag": 0.4}, "by name"),
-        ({"table_bounce": {"friction": 0.2}}, "restitution is missing"),
-        ([1, 2], "a list of effects"),
-    ],
-)
-def test_an_impossible_simulator_says_what_is_allowed(description, says):
-    with pytest.raises(SimulatorError, match=says):
-        Simulator.from_dict(description)
-
-
-@pytest.mark.parametrize(
     ("text", "says"),
     [
         ("dragg: {cd: 0.4}", "there is no effect called 'dragg'; did you mean drag?"),
-        ("table_bounce: {restitutoin: 0.9}", "did you mean restitution?"),
+        ("drag: {c_d: 0.4}", "did you mean cd?"),
+        ("drag: {cd: much}", "drag.cd is 'much'; give a number from 0 to 1.5 (1)"),
+        ("drag: {cd: .nan}", "a number from 0 to 1.5"),
+        ("drag: {cd: true}", "a number from 0 to 1.5"),
         ("drag: {cd: 2}", "drag.cd is 2; give a number from 0 to 1.5 (1)"),
+        ("drag: 0.4", "by name"),
+        ("table_bounce: {friction: 0.2}", "restitution is missing"),
+        ("camera_distortion: {nodes: [[1, 2]]}", "give rows of 6 finite numbers"),
+        ("camera_distortion: {nodes: [[1, 2, 3, 4, 5, .inf]]}", "give rows of 6 finite numbers"),
+        ("[1, 2]", "a list of effects"),
         ("drag: {cd: 0.4", "is not YAML"),
         (None, "there is no such file"),
     ],
@@ -85,7 +74,7 @@ def test_left_out_parameters_are_neutral():
 
 
 @given(st.sampled_from(list(catalogue())), st.data())
-@settings(max_examples=60)
+@settings(max_examples=40)
 def test_a_simulator_survives_yaml(name, data):
     values = {p.name: data.draw(st.floats(*p.bounds)) for p in catalogue()[name].parameters}
     simulator = NOMINAL.amended(name, **values)
@@ -96,7 +85,7 @@ def test_the_order_of_the_list_changes_nothing():
     effects = NOMINAL.amended("lift_saturation", kappa=4.0).to_dict()
     flown = [
         Simulator.from_dict(dict(order)).fly(BALL, TIMES).states
-        for order in itertools.islice(itertools.permutations(effects.items()), 0, 120, 17)
+        for order in itertools.islice(itertools.permutations(effects.items()), 0, 120, 30)
     ]
     for states in flown[1:]:
         np.testing.assert_array_equal(states, flown[0])
@@ -128,7 +117,7 @@ def test_another_package_can_offer_an_effect(tmp_path):
     )
     done = subprocess.run(
         [sys.executable, "-c", program],
-        env={"PYTHONPATH": str(tmp_path), "HOME": str(tmp_path), "PATH": ""},
+        env={"PYTHONPATH": str(tmp_path), "HOME": str(tmp_path), "NUMBA_DISABLE_JIT": "1"},
         capture_output=True,
         text=True,
         check=True,

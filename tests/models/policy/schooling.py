@@ -31,9 +31,9 @@ def drawn_policy(seed=0, width=8, kind="intercept", goals=2):
     return Policy(tuple((w.astype(np.float32), b.astype(np.float32)) for w, b in drawn))
 
 
-def resting_policy(kind="strict"):
+def resting_policy(kind="strict", goals=2):
     """Return a policy that lets the arm wait in neutral."""
-    shape = (ACTIONS, observation_size(3, 2, kind))
+    shape = (ACTIONS, observation_size(3, goals, kind))
     return Policy(((np.zeros(shape, np.float32), np.zeros(ACTIONS, np.float32)),))
 
 

@@ -1,4 +1,4 @@
-"""The training environment: seeds decide everything, and infos say how episodes ended."""
+"""The training environment: what seeds decide, how episodes ended, and the warm-up's motion."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def many(count, seed=0):
     return ReturnVecEnv(TASK, count, seed)
 
 
-def played(environment, ticks=60, strength=1.0):
+def played(environment, ticks=40, strength=1.0):
     """Act at random; return observations, rewards and dones as bytes, and the infos."""
     seen, infos = [environment.reset().tobytes()], []
     random = np.random.default_rng(8)
@@ -51,7 +51,7 @@ def test_every_ball_is_played_once_and_in_order(monkeypatch):
 
 
 def test_infos_say_how_episodes_ended():
-    _, infos = played(many(16), ticks=100, strength=0.3)
+    _, infos = played(many(16), ticks=60, strength=0.3)
     hits = [info for info in infos if info["hit"]]
 
     assert hits
@@ -62,3 +62,19 @@ def test_infos_say_how_episodes_ended():
     for info in hits:
         apart = np.linalg.norm(info["landing"] - info["goal_landing"])
         assert info["distance"] == pytest.approx(apart)
+
+
+def test_following_hits_far_more_balls_than_acting_at_random():
+    environment = many(16, seed=3)
+    random = np.random.default_rng(2)
+    choices = {
+        "follow": lambda: environment.following_actions(random),
+        "random": lambda: random.uniform(-1.0, 1.0, (16, 5)),
+    }
+    rates = {}
+    for name, act in choices.items():
+        environment.reset()
+        infos = [one for _ in range(80) for one in environment.step(act())[3] if one]
+        rates[name] = np.mean([one["hit"] for one in infos])
+    assert rates["random"] < 0.15
+    assert rates["follow"] > 0.4

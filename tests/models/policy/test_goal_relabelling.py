@@ -11,34 +11,28 @@ from rallygap.models.policy.settings import GoalSettings, RewardSettings
 
 GOALS = GoalSettings(landing_across=(-0.4, 0.4), landing_along=(0.5, 1.1), speed=None, topspin=None)
 COLUMNS, WEIGHTS = slice(3, 5), RewardSettings()
-STROKE = {
-    "hit": True,
-    "landing": np.array([0.1, 0.9]),
-    "speed": 5.0,
-    "topspin": -20.0,
-    "returned": True,
-}
-OLD_GOAL = Goals(np.array([[0.2, 0.6]]))
+LANDING, SPEED, TOPSPIN = np.array([0.1, 0.9]), 5.0, -20.0
+OLD_GOAL = np.array([0.2, 0.6])
 
 
-def worth(landing):
-    one = np.array([STROKE["speed"]]), np.array([STROKE["topspin"]]), np.array([True])
-    return goal_reward(STROKE["landing"][None], *one, Goals(landing[None]), WEIGHTS)[0]
+def worth(goal):
+    stroke = LANDING[None], np.array([SPEED]), np.array([TOPSPIN]), np.array([True])
+    return goal_reward(*stroke, Goals(goal[None]), WEIGHTS)[0]
 
 
 @pytest.fixture
 def replay():
     """A tick in which one arm strikes its ball, and one in which it does not."""
     seen, done = spaces.Box(-5, 5, (7,), np.float32), spaces.Box(-1, 1, (2,), np.float32)
-    settings = {"goals": GOALS, "columns": COLUMNS, "weights": WEIGHTS}
-    kept = RelabellingReplayBuffer(2, seen, done, n_envs=1, **settings)
-    of_goal = worth(OLD_GOAL.landing[0])
-    struck = {**STROKE, "goal_reward": of_goal}
-    rows = np.arange(7.0)[None] / 10
-    kept.add(rows, rows + 0.01, np.ones((1, 2)), np.array([-0.02]), np.array([False]), [{}])
-    kept.add(
-        rows, rows + 0.01, np.ones((1, 2)), np.array([0.7 + of_goal]), np.array([True]), [struck]
+    kept = RelabellingReplayBuffer(
+        2, seen, done, n_envs=1, goals=GOALS, columns=COLUMNS, weights=WEIGHTS
     )
+    struck = {"hit": True, "landing": LANDING, "speed": SPEED, "topspin": TOPSPIN, "returned": True}
+    struck["goal_reward"] = worth(OLD_GOAL)
+    rows = np.arange(7.0)[None] / 10
+    for reward, info in ((-0.02, {}), (0.7 + worth(OLD_GOAL), struck)):
+        ended = np.array([bool(info)])
+        kept.add(rows, rows + 0.01, np.ones((1, 2)), np.array([reward]), ended, [info])
     np.random.seed(1)
     return kept.sample(64)
 
@@ -63,13 +57,10 @@ def test_a_stroke_is_worth_what_the_new_goal_makes_of_it(replay):
     assert np.ptp(expected) > 0.3
 
 
-def test_what_ends_without_a_stroke_is_worth_the_same(replay):
+def test_relabelling_changes_only_the_goal_and_what_a_stroke_is_worth(replay):
     going_on = replay.dones[:, 0].numpy() == 0
     assert going_on.any()
     assert (replay.rewards[going_on].numpy() == np.float32(-0.02)).all()
-
-
-def test_relabelling_changes_only_the_goal(replay):
     kept = [0, 1, 2, 5, 6]
     assert np.allclose(replay.observations[:, kept].numpy(), np.array(kept) / 10)
     assert np.allclose(replay.next_observations[:, kept].numpy(), np.array(kept) / 10 + 0.01)

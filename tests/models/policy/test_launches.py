@@ -11,7 +11,7 @@ from rallygap.models.ball.state import BALL_RADIUS, NET_HEIGHT
 from rallygap.models.policy import launches as documented
 from rallygap.models.policy.incoming_balls import PATH_TIMES
 from rallygap.models.policy.launches import draw_launches, draw_strokes, is_playable
-from rallygap.models.robot.constants import JOINTS, NEUTRAL
+from rallygap.models.robot.constants import LOWER, NEUTRAL, UPPER
 from rallygap.models.robot.kinematics import racket
 from tests.models.policy.incoming_balls import TRUTH, VACUUM, WRONG
 
@@ -21,35 +21,30 @@ def drawn(count, simulator=TRUTH, seed=0):
 
 
 @pytest.mark.parametrize("simulator", [TRUTH, WRONG])
-def test_launches_pass_over_the_net_and_bounce_on_the_robots_half(simulator):
+def test_launches_bounce_on_the_robots_half_and_come_to_the_racket_before_they_do_again(simulator):
     flight = simulator.fly(drawn(300, simulator), PATH_TIMES)
-    y, z = flight.states[..., 1], flight.states[..., 2]
-    behind = (y < 0).argmax(axis=1)
-    assert (flight.contacts.surface[:, 0] == TABLE).all()
-    assert (flight.contacts.before[:, 0, 1] < 0).all()
-    assert (z[np.arange(300), behind] > NET_HEIGHT + BALL_RADIUS - 0.02).all()  # 1 ms further on
-
-
-def test_launches_come_to_the_racket_between_their_first_bounce_and_their_second():
-    flight = TRUTH.fly(drawn(300), PATH_TIMES)
-    bounce, second = flight.contacts.time[:, 0, None], flight.contacts.time[:, 1, None]
-    between = (bounce < PATH_TIMES) & ~(second <= PATH_TIMES)
+    contacts = flight.contacts
+    behind = (flight.states[..., 1] < 0).argmax(axis=1)
+    height = flight.states[np.arange(300), behind, 2]
+    assert (height > NET_HEIGHT + BALL_RADIUS - 0.02).all()  # 1 ms further on
+    assert (contacts.surface[:, 0] == TABLE).all() and (contacts.before[:, 0, 1] < 0).all()
+    between = (contacts.time[:, :1] < PATH_TIMES) & ~(contacts.time[:, 1:2] <= PATH_TIMES)
     places, (lower, upper) = flight.states[..., :3], documented.WORKSPACE.T
     inside = ((lower <= places) & (places <= upper)).all(axis=2)
     assert (between & inside).any(axis=1).all()
 
 
 def test_launches_are_of_all_speeds_and_spins():
-    launches = drawn(3000)
+    launches = drawn(1500)
     speed = np.linalg.norm(launches[:, 3:6], axis=1)
-    assert speed.min() < 4.2 < 11.5 < speed.max() < 12.0 + 1e-9
+    assert speed.min() < 4.3 < 11.3 < speed.max() < 12.0 + 1e-9
     assert 5.5 < np.median(speed) < 8.0
     assert launches[:, 6].min() < -80 and launches[:, 6].max() > 230
     assert np.abs(launches[:, 8]).max() > 90
     assert np.linalg.norm(launches[:, 6:], axis=1).max() < 275
 
 
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(0, 40))
 def test_the_same_seed_draws_the_same_launches(seed, count):
     launches = drawn(count, seed=seed)
@@ -79,16 +74,10 @@ def test_an_environment_without_a_table_has_no_launches():
 
 
 def test_the_workspace_is_where_the_arm_can_hold_its_racket_towards_the_table():
-    assert (
-        np.abs(racket_state(np.asarray(NEUTRAL)[None]).position - documented.RACKET_HOME).max()
-        < 0.01
-    )
-    limits = [(joint.lower, joint.upper) for joint in JOINTS]
-    held = racket_state(np.random.default_rng(0).uniform(*np.transpose(limits), size=(50_000, 6)))
+    home = racket([NEUTRAL], np.zeros((1, 6))).position
+    np.testing.assert_allclose(home[0], documented.RACKET_HOME, atol=0.01)
+    joints = np.random.default_rng(0).uniform(LOWER, UPPER, (50_000, 6))
+    held = racket(joints, np.zeros_like(joints))
     places = held.position[held.normal[:, 1] > 0.7]
     corners = np.stack(np.meshgrid(*documented.WORKSPACE, indexing="ij"), axis=-1).reshape(-1, 3)
     assert KDTree(places).query(corners)[0].max() < 0.1
-
-
-def racket_state(joints):
-    return racket(joints, np.zeros_like(joints))

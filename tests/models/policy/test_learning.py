@@ -33,22 +33,24 @@ def schooled(tmp_path_factory):
     return folder, iteration(folder)
 
 
-def test_the_first_iteration_follows_from_the_seed(schooled, tmp_path):
+@pytest.fixture(scope="module")
+def advanced(schooled, tmp_path_factory):
+    """The same after the second."""
+    folder = tmp_path_factory.mktemp("advanced") / "iteration"
+    return folder, iteration(folder, 1, schooled[0])
+
+
+def test_an_iteration_follows_from_the_seed_and_the_learner_before_it(schooled, advanced, tmp_path):
     assert same(iteration(tmp_path / "again"), schooled[1])
-    assert not same(iteration(tmp_path / "other", seed=4), schooled[1])
-
-
-def test_a_later_iteration_follows_from_the_learner_before_it(schooled, tmp_path):
-    before = tmp_path / "elsewhere"
-    shutil.copytree(schooled[0], before)
-    second = iteration(tmp_path / "second", 1, schooled[0])
+    other = iteration(tmp_path / "other", seed=4)
+    assert not same(other, schooled[1])
+    shutil.copytree(schooled[0], tmp_path / "elsewhere")
     np.random.seed(7)
     torch.manual_seed(7)
 
-    assert same(iteration(tmp_path / "again", 1, before), second)
-    assert not same(second, schooled[1])
-    iteration(tmp_path / "other", seed=4)
-    assert not same(iteration(tmp_path / "after_other", 1, tmp_path / "other"), second)
+    assert same(iteration(tmp_path / "second", 1, tmp_path / "elsewhere"), advanced[1])
+    assert not same(advanced[1], schooled[1])
+    assert not same(iteration(tmp_path / "after_other", 1, tmp_path / "other"), advanced[1])
 
 
 class Noted(KVWriter):
@@ -66,26 +68,24 @@ class Noted(KVWriter):
 
 def test_writers_get_returns_losses_and_the_rate(tmp_path, monkeypatch):
     monkeypatch.setattr("rallygap.models.policy.learning.LOGGED_EVERY", 1)
-    long, writer = BRIEF.model_copy(update={"steps_per_iteration": 240}), Noted()
+    long, writer = BRIEF.model_copy(update={"steps_per_iteration": 160}), Noted()
     learn_iteration(TASK, long, 3, 0, None, tmp_path, [writer])
     names = {name for logged in writer.logged.values() for name in logged}
     assert {"rollout/ep_rew_mean", "train/critic_loss", "train/learning_rate"} <= names
 
 
-def test_an_iteration_continues_from_the_whole_replay_buffer(schooled, tmp_path):
-    iteration(tmp_path / "second", 1, schooled[0])
-
-    learner = SAC.load(tmp_path / "second" / LEARNER)
-    learner.load_replay_buffer(tmp_path / "second" / "replay.pkl")
+def test_an_iteration_continues_from_the_whole_replay_buffer_at_its_own_rate(advanced):
+    learner = SAC.load(advanced[0] / LEARNER)
+    learner.load_replay_buffer(advanced[0] / "replay.pkl")
 
     assert learner.num_timesteps == 2 * BRIEF.steps_per_iteration
     assert BRIEF.environments * learner.replay_buffer.size() == 2 * BRIEF.steps_per_iteration
-    steps = (
-        (BRIEF.steps_per_iteration - BRIEF.warm_up + BRIEF.steps_per_iteration)
-        // BRIEF.environments
-        * BRIEF.gradient_steps
-    )
-    assert learner._n_updates == pytest.approx(steps, abs=BRIEF.gradient_steps)
+    steps = (2 * BRIEF.steps_per_iteration - BRIEF.warm_up) // BRIEF.environments
+    updates = steps * BRIEF.gradient_steps
+    assert learner._n_updates == pytest.approx(updates, abs=BRIEF.gradient_steps)
+    optimizers = learner.actor.optimizer, learner.critic.optimizer, learner.ent_coef_optimizer
+    rates = [optimizer.param_groups[0]["lr"] for optimizer in optimizers]
+    assert rates == pytest.approx([0.001] * 3)
 
 
 def test_sparing_the_critics_changes_nothing_of_what_is_learned(schooled):
@@ -110,16 +110,6 @@ def test_the_learning_rate_falls_by_the_same_factor_from_iteration_to_iteration(
 
     assert rates == pytest.approx([0.01, 0.001, 0.0001])
     assert learning_rate(BRIEF.model_copy(update={"iterations": 1}), 0) == 0.01
-
-
-def test_an_iteration_learns_at_its_own_rate(schooled, tmp_path):
-    iteration(tmp_path / "second", 1, schooled[0])
-
-    learner = SAC.load(tmp_path / "second" / LEARNER)
-
-    optimizers = learner.actor.optimizer, learner.critic.optimizer, learner.ent_coef_optimizer
-    rates = [optimizer.param_groups[0]["lr"] for optimizer in optimizers]
-    assert rates == pytest.approx([0.001] * 3)
 
 
 def test_the_policy_acts_as_its_actor_without_noise(schooled):

@@ -6,21 +6,18 @@ import numpy as np
 import pytest
 
 from rallygap.models.ball.state import BALL_RADIUS
-from rallygap.models.policy.batch_simulation import ACTIONS
-from rallygap.models.policy.goals import Goals
 from rallygap.models.policy.incoming_balls import FLOOR, IncomingBalls
 from rallygap.models.policy.motion_recording import AFTERWARDS, FRAME
-from rallygap.models.policy.observation import observation_size
 from rallygap.models.policy.policy import Policy
 from rallygap.models.policy.trial import play
 from rallygap.models.robot.arms import Arms
 from rallygap.models.robot.constants import BULLET_STEP, NEUTRAL
 from rallygap.models.robot.kinematics import racket
+from tests.models.policy.schooling import resting_policy
 from tests.models.policy.simulations import CENTRE, SIMULATOR, beside_centre, goals, passing
 
-WEIGHTS = np.zeros((ACTIONS, observation_size(3, 2, "strict")), dtype=np.float32)
-FORWARD = Policy(((WEIGHTS, np.array([0.0, 0.9, 0.0, 0.0, 0.0], dtype=np.float32)),))
-"""Moves the racket forward, whatever comes."""
+((WEIGHTS, BIAS),) = resting_policy().layers
+FORWARD = Policy(((WEIGHTS, BIAS + np.float32([0.0, 0.9, 0.0, 0.0, 0.0])),))  # whatever comes
 RETURNED, TOO_FAST = passing(CENTRE), passing(CENTRE, velocity=(0.0, -8.0, 0.0))
 ASIDE = passing(beside_centre(across=0.3))
 SHORT = round(AFTERWARDS / FRAME)  # frames after the ball is down
@@ -35,8 +32,7 @@ def together(*parts):
 
 
 def recorded(incoming, record=1):
-    asked = Goals(np.repeat(goals().landing, len(incoming), axis=0))
-    return play(FORWARD, SIMULATOR, incoming, asked, "strict", record)
+    return play(FORWARD, SIMULATOR, incoming, goals(len(incoming)), "strict", record)
 
 
 def rackets(joints):
@@ -63,16 +59,12 @@ def test_the_ball_turns_where_the_racket_hits_it_and_bounces_where_it_lands(tria
     assert motion.ball[-1, 2] > motion.ball[landing, 2]
 
 
-def test_a_ball_that_goes_out_is_followed_to_the_floor():
-    (motion,) = recorded(TOO_FAST).motions
-    on_floor = len(motion.ball) - 1 - SHORT
-    assert motion.ball[on_floor - 1, 2] > FLOOR > motion.ball[on_floor + 1, 2]
-
-
-def test_a_missed_ball_is_followed_until_it_is_out_of_play():
-    (motion,) = recorded(ASIDE).motions
-    np.testing.assert_array_equal(motion.ball, ASIDE.path[0, :401:20, :3])
-    assert len(motion.joints) == len(motion.ball)
+def test_a_ball_is_followed_to_the_floor_or_until_it_is_out_of_play():
+    (out,), (missed,) = recorded(TOO_FAST).motions, recorded(ASIDE).motions
+    on_floor = len(out.ball) - 1 - SHORT
+    assert out.ball[on_floor - 1, 2] > FLOOR > out.ball[on_floor + 1, 2]
+    np.testing.assert_array_equal(missed.ball, ASIDE.path[0, :401:20, :3])
+    assert len(missed.joints) == len(missed.ball)
 
 
 def test_joints_are_those_of_bullet(monkeypatch):

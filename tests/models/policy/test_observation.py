@@ -52,20 +52,14 @@ def test_a_ball_far_from_crossing_is_still_seen(along, time):
     assert (plane_crossing(racket(JOINTS, SPEEDS), balls[:, 0])[:, 0] == time).all()
 
 
-def test_strict_is_what_remains_without_the_crossing():
-    strict, more = seen("strict"), seen("intercept")
-
-    np.testing.assert_array_equal(more[:, : strict.shape[1]], strict)
-    expected = plane_crossing(racket(JOINTS, SPEEDS), BALLS[:, 0]) / CROSSING_SCALE
-    np.testing.assert_allclose(more[:, strict.shape[1] :], expected, rtol=1e-6)
-
-
-def test_spreads_follow_all_else():
-    less, more = seen("intercept"), seen("spread")
-
-    np.testing.assert_array_equal(more[:, : less.shape[1]], less)
+def test_a_kind_adds_the_crossing_or_the_spreads_to_what_another_sees():
+    strict, crossing, spread = (seen(kind) for kind in ("strict", "intercept", "spread"))
+    crossings = plane_crossing(racket(JOINTS, SPEEDS), BALLS[:, 0]) / CROSSING_SCALE
+    np.testing.assert_array_equal(crossing[:, : strict.shape[1]], strict)
+    np.testing.assert_allclose(crossing[:, strict.shape[1] :], crossings, rtol=1e-6)
     scaled = SPREADS.reshape(4, -1) / SPREAD_SCALE
-    np.testing.assert_allclose(more[:, less.shape[1] :], scaled, rtol=1e-6)
+    np.testing.assert_array_equal(spread[:, : crossing.shape[1]], crossing)
+    np.testing.assert_allclose(spread[:, crossing.shape[1] :], scaled, rtol=1e-6)
 
 
 def test_a_predictor_without_spreads_cannot_serve_a_policy_that_observes_them():

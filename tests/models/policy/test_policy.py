@@ -11,26 +11,18 @@ def observations(count=7, size=56):
     return np.random.default_rng(2).normal(0, 2, (count, size)).astype(np.float32)
 
 
-def test_actions_are_those_of_the_network():
-    (first, after_first), (last, after_last) = drawn_policy().layers
-    rows = observations()
+def test_actions_are_those_of_the_network_to_the_bit_alone_and_among_many():
+    policy, rows = drawn_policy(width=200), observations(64)
+    (first, after_first), (last, after_last) = policy.layers
     hidden = np.maximum(rows @ first.T + after_first, 0)
-    expected = np.tanh(hidden @ last.T + after_last)
 
-    actions = drawn_policy().act(rows)
+    actions = policy.act(rows)
 
-    np.testing.assert_allclose(actions, expected, atol=1e-5)
+    np.testing.assert_allclose(actions, np.tanh(hidden @ last.T + after_last), atol=1e-5)
     assert actions.dtype == np.float32
     assert (actions > 0).any() and (actions < 0).any()
-
-
-def test_an_action_is_the_same_to_the_bit_alone_and_among_many():
-    policy, rows = drawn_policy(width=200), observations(64)
-
-    together = policy.act(rows)
-
     for k in (0, 17, 63):
-        np.testing.assert_array_equal(policy.act(rows[k : k + 1])[0], together[k])
+        np.testing.assert_array_equal(policy.act(rows[k : k + 1])[0], actions[k])
 
 
 def test_a_policy_comes_back_from_its_arrays():

@@ -1,8 +1,14 @@
-"""The settings: which are refused, and with which message."""
+"""The settings: which are refused, and with which message; and the random streams."""
 
+import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+from rallygap.models.policy.random_streams import (
+    evaluation_stream,
+    iteration_seed,
+    validation_stream,
+)
 from rallygap.models.policy.settings import GoalSettings, HorizonsMs
 
 GOALS = {"landing_across": (-0.4, 0.4), "landing_along": (0.5, 1.1), "speed": None, "topspin": None}
@@ -23,3 +29,9 @@ def test_horizons_that_no_predictor_gives_are_refused(horizons):
 def test_goals_off_the_far_half_or_the_wrong_way_round_are_refused(wrong):
     with pytest.raises(ValidationError, match=next(iter(wrong))):
         GoalSettings(**{**GOALS, **wrong})
+
+
+def test_no_two_uses_of_a_seed_share_their_numbers():
+    sources = [np.random.default_rng(iteration_seed(3, iteration)) for iteration in range(4)]
+    sources += [validation_stream(3), evaluation_stream(3), np.random.default_rng(3)]
+    assert len({source.random() for source in sources}) == len(sources)

@@ -48,7 +48,7 @@ def test_the_score_is_that_of_the_normal_distribution():
     assert crps(one, calibration) == pytest.approx(np.trapezoid(below, grid), rel=1e-3)
 
 
-def test_what_was_not_measured_counts_nowhere():
+def test_what_was_not_measured_counts_nowhere_and_too_few_errors_give_no_set():
     some = errors(200, 0)
     away = some.away.copy()
     away[:, 4], away[:150, 0] = np.nan, np.nan
@@ -57,7 +57,4 @@ def test_what_was_not_measured_counts_nowhere():
     assert np.isnan(calibration.radii[:, 4]).all() and np.isfinite(calibration.radii[:, :4]).all()
     assert np.isnan(calibration.covered(gaps)[:, :150, 0]).all()
     assert np.isnan(crps(gaps, calibration)[:150, 0]).all()
-
-
-def test_too_few_errors_give_no_set():
     assert np.isnan(Calibration.of(errors(5, 0)).radii[1]).all()

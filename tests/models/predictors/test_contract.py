@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from rallygap.models.ball.simulators import shipped
+from rallygap.models.predictors.ensemble import EnsemblePredictor
 from rallygap.models.predictors.learned import LearnedPredictor
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import FUTURE, History
 from tests.models.predictors.balls import observed
-from tests.models.predictors.small_training import NETWORKS, network
+from tests.models.predictors.small_training import NETWORKS, network, small_training
 
 PREDICTORS = {
     "physics": PhysicsPredictor(shipped("imperfect_c")),
@@ -24,26 +25,24 @@ def predictor(request):
     return PREDICTORS[request.param]
 
 
-def test_a_forecast_has_sixty_finite_states_a_ball(predictor):
+@pytest.mark.parametrize("seen", [0, 1, 2, 5, 12])
+def test_a_ball_however_seldom_seen_gets_sixty_finite_states(predictor, seen):
     history, _ = observed(noise=0.003)
-    forecast = predictor.predict(history)
-    assert forecast.states.shape == (len(history), FUTURE, 9)
-    assert np.isfinite(forecast.states).all()
-    assert forecast.spin_measured.tolist() == [True] * len(history)
-
-
-def test_a_missing_label_is_reported(predictor):
-    history, _ = observed(labelled=False)
-    assert not predictor.predict(history).spin_measured.any()
-
-
-@pytest.mark.parametrize("seen", [0, 1, 2, 5])
-def test_a_ball_hardly_seen_still_gets_a_finite_forecast(predictor, seen):
-    history, _ = observed()
     mask = history.mask.copy()
     mask[:, seen:] = False
-    sparse = History(np.where(mask, history.states, 0.0), mask)
-    assert np.isfinite(predictor.predict(sparse).states).all()
+    forecast = predictor.predict(History(np.where(mask, history.states, 0.0), mask))
+    assert forecast.states.shape == (len(history), FUTURE, 9)
+    assert np.isfinite(forecast.states).all()
+    assert forecast.spin_measured.tolist() == [seen > 0] * len(history)
+
+
+def test_a_spin_counts_as_measured_when_one_sample_has_all_of_it():
+    history, _ = observed()
+    mask = history.mask.copy()
+    mask[0, 1:, 3:] = False  # one label
+    mask[1, :, 5] = False  # never whole
+    mask[2, :, 3:] = False  # none
+    assert History(history.states * mask, mask).spin_measured.tolist() == [True, False, False]
 
 
 @pytest.mark.parametrize("name", PREDICTORS)
@@ -72,3 +71,30 @@ def test_an_empty_batch_gives_an_empty_forecast(predictor):
 def test_a_history_that_is_none_is_refused(states, mask):
     with pytest.raises(ValueError, match="a history is"):
         History(states, mask)
+
+
+def test_a_network_forecasts_the_same_for_either_direction_of_play():
+    history, _ = observed(noise=0.003)
+    predictor = LearnedPredictor(small_training()[0].network)
+    half_turn = np.array([-1, -1, 1])
+    twin = History(history.states * np.tile(half_turn, 2), history.mask)
+    forecast, rotated = (predictor.predict(one).states for one in (history, twin))
+    np.testing.assert_array_equal(rotated, forecast * np.tile(half_turn, 3))
+    assert (forecast[:, 0, 4] < 0).all() and (rotated[:, 0, 4] > 0).all()
+
+
+def test_an_ensemble_forecasts_the_mean_and_is_as_unsure_as_a_random_member():
+    members = [PhysicsPredictor(shipped(name)) for name in ("literature", "imperfect_c")]
+    history, _ = observed(noise=0.003)
+    ensemble = EnsemblePredictor(members)
+    forecast, covariances = ensemble.predict_with_covariances(history)
+    random, last = np.random.default_rng(0), (0, -1)
+    alone, draws = [], []
+    for member in members:
+        one, own = member.predict_with_covariances(history)
+        alone.append(one.states)
+        draws.append(random.multivariate_normal(one.states[last][:3], own[last], 200_000))
+    np.testing.assert_allclose(forecast.states, np.mean(alone, axis=0))
+    np.testing.assert_allclose(ensemble.predict(history).states, forecast.states)
+    drawn = np.cov(np.concatenate(draws).T)
+    np.testing.assert_allclose(drawn, covariances[last], rtol=0.05, atol=2e-6)

@@ -4,17 +4,16 @@ import numpy as np
 import pytest
 
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.ball.simulators import shipped
 from rallygap.models.predictors.propagation import propagated
+from tests.models.predictors.balls import TRUTH
 
-TRUTH = shipped("literature")
 STATE = np.array([0.1, 1.2, 0.35, 0.3, -6.0, 1.0, -150.0, 20.0, 30.0])
 SPREAD = np.diag(np.repeat([0.002, 0.1, 20.0], 3) ** 2)
 AHEAD = np.array([0.1, 0.2, 0.3, 0.6])  # the last one after a bounce
 
 
 def test_covariances_are_those_of_many_balls():
-    balls = np.random.default_rng(0).multivariate_normal(STATE, SPREAD, 4000)
+    balls = np.random.default_rng(0).multivariate_normal(STATE, SPREAD, 2000)
     flown = TRUTH.fly(balls, AHEAD).states
     _, found = propagated(TRUTH, STATE[None], SPREAD[None], AHEAD)
     _, none = propagated(TRUTH, STATE[None], 0 * SPREAD[None], AHEAD)

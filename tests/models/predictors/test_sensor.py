@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from rallygap.models.ball.sensor import measured
-from rallygap.models.ball.simulators import shipped
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES, History
 from rallygap.models.predictors.sensor import Sensor
@@ -56,7 +55,7 @@ def test_forecasts_are_those_of_the_measurements():
 
 
 def test_a_simulator_without_sensor_effects_sees_what_is():
-    sensor, states = Sensor(shipped("literature")), TRUTH.fly(FIRST, FUTURE_TIMES).states
+    sensor, states = Sensor(TRUTH), TRUTH.fly(FIRST, FUTURE_TIMES).states
     assert sensor.exact
     assert sensor.measured_states(states) is states
     assert sensor.true_positions(states[..., :3]) == pytest.approx(states[..., :3], abs=0.0)

@@ -15,15 +15,11 @@ from tests.models.predictors.balls import FIRST
 from tests.models.predictors.episodes import GRID, degraded, flown
 
 
-def every_window(track):
-    return [part.numpy() for part in track.windows(track.anchors)]
-
-
 def assert_windows_are_those_of(track, *episodes):
     """Both ways of cutting give the same numbers, but for the last bits of float32."""
     cuts = [cut_windows(episode, every=TICK) for episode in episodes]
     assert np.diff(track.bounds).tolist() == [len(cut) for cut in cuts if len(cut)]
-    history, seen, future, measured = every_window(track)
+    history, seen, future, measured = map(np.asarray, track.windows(track.anchors))
     np.testing.assert_array_equal(seen, np.concatenate([cut.history.mask for cut in cuts]))
     np.testing.assert_array_equal(measured, np.concatenate([cut.measured for cut in cuts]))
     states = np.concatenate([cut.history.states for cut in cuts]).astype(np.float32)
@@ -32,8 +28,9 @@ def assert_windows_are_those_of(track, *episodes):
     np.testing.assert_allclose(future, later, rtol=3e-7, atol=3e-8)
 
 
-@pytest.mark.parametrize("start", [0.0, 7.0, 1234.565])
-@pytest.mark.parametrize(("seed", "lost"), [(0, 0.1), (1, 0.1), (2, 0.6)])
+@pytest.mark.parametrize(
+    ("start", "seed", "lost"), [(0.0, 0, 0.1), (7.0, 1, 0.1), (1234.565, 2, 0.6)]
+)
 def test_windows_of_a_spoilt_episode_on_the_grid_are_those_cut_one_at_a_time(start, seed, lost):
     bouncing = flown(FIRST[1 + seed % 2], start + GRID, noise=0.003, seed=seed)
     episode = degraded(bouncing, seed, lost)
@@ -42,7 +39,7 @@ def test_windows_of_a_spoilt_episode_on_the_grid_are_those_cut_one_at_a_time(sta
     assert_windows_are_those_of(build_tracks([episode]), episode)
 
 
-@pytest.mark.parametrize("rate", [120.0, 143.0, 1000 / 5.6])
+@pytest.mark.parametrize("rate", [143.0, 1000 / 5.6])
 def test_windows_of_an_episode_at_another_rate_are_those_cut_one_at_a_time(rate):
     episode = degraded(flown(times=3.0 + np.arange(0, 0.6, 1 / rate), noise=0.003))
     assert_windows_are_those_of(build_tracks([episode]), episode)
@@ -54,11 +51,11 @@ def test_stamps_rounded_to_microseconds_are_on_the_grid():
     moved = replace(episode, times=episode.times + jitter)
     exact, rounded = build_tracks([episode]), build_tracks([moved])
     assert len(rounded.history) == len(exact.history)  # one track, not one a window
-    for one, other in zip(every_window(exact), every_window(rounded), strict=True):
-        np.testing.assert_array_equal(one, other)
+    pairs = zip(exact.windows(exact.anchors), rounded.windows(rounded.anchors), strict=True)
+    assert all(one.equal(other) for one, other in pairs)
 
 
-@settings(max_examples=30)
+@settings(max_examples=10)
 @given(st.lists(st.tuples(st.integers(1, 60), st.booleans()), min_size=1, max_size=5))
 def test_no_window_reaches_into_another_episode(lengths):
     on_grid, off_grid = flown(), flown(times=GRID * 1.1)

@@ -57,7 +57,7 @@ def test_where_only_trainings_differ_it_is_a_t_test_of_theirs():
 )
 def test_intervals_of_three_trainings_contain_the_truth(of_trainings, of_recordings):
     found = [
-        clustered_mean(*drawn(3, 60, 3, of_trainings, of_recordings, seed)) for seed in range(300)
+        clustered_mean(*drawn(3, 60, 3, of_trainings, of_recordings, seed)) for seed in range(200)
     ]
     covered = np.mean([one.low[0] <= 0 <= one.high[0] for one in found])
     assert 0.86 <= covered <= 0.99
