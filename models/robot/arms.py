@@ -2,7 +2,6 @@
 
 import tempfile
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 import pybullet
@@ -147,14 +146,3 @@ class Arms:
     def close(self) -> None:
         """Release the Bullet world."""
         pybullet.disconnect(**self._world)
-
-    def __enter__(self) -> "Arms":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()

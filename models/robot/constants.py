@@ -41,7 +41,7 @@ class Solid:
     pitch: float = 0.0  # rad about x, from the link's axes to the solid's
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Joint:
     """A driven joint and the link that it moves."""
 
@@ -49,95 +49,45 @@ class Joint:
     kind: Literal["prismatic", "revolute"]
     # of the joint's frame, along which it slides or about which it turns
     axis: Literal["x", "y", "z"]
-    origin: Vector = (0.0, 0.0, 0.0)  # m, of the joint in the frame of the link before it
-    # rad about x, from the frame of the link before it to the joint's at zero
-    pitch: float = 0.0
     lower: float  # end of the joint's range, m or rad; neutral is zero
     upper: float  # other end of the range, m or rad
     speed: float  # largest command to the drive, m/s or rad/s
     force: float  # of the drive, N or N m
     link: tuple[Solid, ...]  # the solids that it moves
+    origin: Vector = (0.0, 0.0, 0.0)  # m, of the joint in the frame of the link before it
+    # rad about x, from the frame of the link before it to the joint's at zero
+    pitch: float = 0.0
 
 
 _ALONG_Y = -math.pi / 2  # pitch of a cylinder whose axis is the link's y
+
+_BRIDGE = (Solid("box", (1.90, 0.08, 0.06), mass=8.0, position=(0.0, 0.0, -0.09)),)
+_CARRIAGE = (Solid("box", (0.16, 0.14, 0.12), mass=4.0),)
+_UPPER_ARM = (Solid("cylinder", (0.04, UPPER_ARM), mass=1.5, position=(0, 0, UPPER_ARM / 2)),)
+_FOREARM = (Solid("cylinder", (0.03, FOREARM), mass=1.0, position=(0, 0, FOREARM / 2)),)
+_WRIST = (Solid("cylinder", (0.03, 0.06), mass=0.3),)
+_RACKET = (
+    Solid("cylinder", (0.010, 0.06), mass=0.05, position=(0, 0.03, 0), pitch=_ALONG_Y),
+    Solid("cylinder", (0.014, 0.06), mass=0.05, position=(0, 0.06, 0)),  # the grip
+    # wood and two rubbers
+    Solid("cylinder", (RACKET_RADIUS, 0.012), mass=0.15, position=BLADE, pitch=_ALONG_Y),
+)
+_ELBOW, _WRIST_YAW = (0.0, 0.0, UPPER_ARM), (0.0, 0.0, FOREARM)  # m, origins of these joints
 
 # The drives of the gantry accelerate what they carry, 15.05 and 7.05 kg, at 20 and 30 m/s^2: belt
 # axes of that size do. Those of the arm hold 2.4 to 3.0 times what gravity asks of them when all
 # beyond them is stretched out level. Ranges: the bridge stays clear of the table, the carriage
 # spans its width; the arm neither folds into itself nor reaches the floor.
-JOINTS = (
-    Joint(
-        name="bridge",
-        kind="prismatic",
-        axis="y",
-        lower=-0.35,
-        upper=0.45,
-        speed=2.0,
-        force=300.0,
-        link=(Solid("box", (1.90, 0.08, 0.06), mass=8.0, position=(0.0, 0.0, -0.09)),),
-    ),
-    Joint(
-        name="carriage",
-        kind="prismatic",
-        axis="x",
-        lower=-0.8,
-        upper=0.8,
-        speed=3.0,
-        force=210.0,
-        link=(Solid("box", (0.16, 0.14, 0.12), mass=4.0),),
-    ),
-    Joint(
-        name="shoulder",
-        kind="revolute",
-        axis="x",
-        pitch=0.35,  # leaning back, so that the elbow is behind the racket
-        lower=-1.2,
-        upper=1.2,
-        speed=6.0,
-        force=32.0,
-        link=(Solid("cylinder", (0.04, UPPER_ARM), mass=1.5, position=(0, 0, UPPER_ARM / 2)),),
-    ),
-    Joint(
-        name="elbow",
-        kind="revolute",
-        axis="x",
-        origin=(0.0, 0.0, UPPER_ARM),
-        pitch=-1.7,  # the forearm a little above level
-        lower=-1.5,
-        upper=1.5,
-        speed=6.0,
-        force=9.0,
-        link=(Solid("cylinder", (0.03, FOREARM), mass=1.0, position=(0, 0, FOREARM / 2)),),
-    ),
-    Joint(
-        name="wrist_yaw",
-        kind="revolute",
-        axis="z",
-        origin=(0.0, 0.0, FOREARM),
-        pitch=1.35,  # undoes shoulder and elbow: the axis is upright in neutral
-        lower=-1.3,
-        upper=1.3,
-        speed=8.0,
-        force=0.6,
-        link=(Solid("cylinder", (0.03, 0.06), mass=0.3),),
-    ),
-    Joint(
-        name="wrist_pitch",
-        kind="revolute",
-        axis="x",
-        pitch=0.2,  # the face open by 11 degrees, as for a block
-        lower=-1.5,
-        upper=1.5,
-        speed=8.0,
-        force=0.6,
-        link=(
-            Solid("cylinder", (0.010, 0.06), mass=0.05, position=(0, 0.03, 0), pitch=_ALONG_Y),
-            Solid("cylinder", (0.014, 0.06), mass=0.05, position=(0, 0.06, 0)),  # the grip
-            Solid(
-                "cylinder", (RACKET_RADIUS, 0.012), mass=0.15, position=BLADE, pitch=_ALONG_Y
-            ),  # wood and two rubbers
-        ),
-    ),
+# Pitches: the shoulder leans back, so that the elbow is behind the racket; the forearm is a little
+# above level; the wrist's yaw undoes both, so that its axis is upright in neutral; the face is open
+# by 11 degrees, as for a block.
+JOINTS = (  # name, kind, axis, lower, upper, speed, force, link, origin and pitch
+    Joint("bridge", "prismatic", "y", -0.35, 0.45, 2.0, 300.0, _BRIDGE),
+    Joint("carriage", "prismatic", "x", -0.8, 0.8, 3.0, 210.0, _CARRIAGE),
+    Joint("shoulder", "revolute", "x", -1.2, 1.2, 6.0, 32.0, _UPPER_ARM, pitch=0.35),
+    Joint("elbow", "revolute", "x", -1.5, 1.5, 6.0, 9.0, _FOREARM, _ELBOW, pitch=-1.7),
+    Joint("wrist_yaw", "revolute", "z", -1.3, 1.3, 8.0, 0.6, _WRIST, _WRIST_YAW, pitch=1.35),
+    Joint("wrist_pitch", "revolute", "x", -1.5, 1.5, 8.0, 0.6, _RACKET, pitch=0.2),
 )
 
 # The rails on which the bridge runs, on posts from the floor. They do not move.

@@ -8,9 +8,8 @@ from numpy.typing import ArrayLike
 
 from rallygap.models.ball.state import BALL_RADIUS
 from rallygap.models.ball.types import Bools, Floats, Integers, Vector
-from rallygap.models.robot.compiled import compiled
 from rallygap.models.robot.constants import RACKET_RADIUS
-from rallygap.models.robot.kinematics import Racket
+from rallygap.models.robot.kinematics import Racket, compiled
 
 _UNMOVED = 1e-20  # m^2; a ball that moves less along the blade counts as not moving
 

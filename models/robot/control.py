@@ -4,9 +4,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rallygap.models.ball.types import Floats
-from rallygap.models.robot.compiled import compiled
 from rallygap.models.robot.constants import LOWER, NEUTRAL, SPEED, UPPER
-from rallygap.models.robot.kinematics import JOINT_COUNT, locate, rows_of_joints
+from rallygap.models.robot.kinematics import JOINT_COUNT, compiled, locate, rows_of_joints
 
 DAMPING = 0.01  # lambda^2: limits joint speeds near singular poses
 HOMING = 2.0  # 1/s: rate at which the null space returns to neutral
@@ -33,13 +32,9 @@ def joint_speeds(joints: ArrayLike, velocity: ArrayLike, turning: ArrayLike) -> 
     tasks = np.concatenate([np.asarray(velocity), np.asarray(turning)], axis=1, dtype=np.float64)
     if tasks.shape != (len(at), _TASKS):
         raise ValueError(f"give velocities ({len(at)}, 3) and turning rates ({len(at)}, 2)")
-    return _within_limits(at, _least_squares(at, tasks))
-
-
-def _within_limits(joints: Floats, speeds: Floats) -> Floats:
-    """Return speeds scaled into the speed limits, then clipped to what stops within the range."""
+    speeds = _least_squares(at, tasks)
     excess = np.max(np.abs(speeds) / SPEED, axis=1, keepdims=True)
-    room_below, room_above = (LOWER - joints) / BRAKING, (UPPER - joints) / BRAKING
+    room_below, room_above = (LOWER - at) / BRAKING, (UPPER - at) / BRAKING
     return np.clip(speeds / np.maximum(excess, 1.0), room_below, room_above)
 
 

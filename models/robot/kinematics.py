@@ -2,13 +2,19 @@
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rallygap.models.ball import state
 from rallygap.models.ball.types import Floats, Vector
-from rallygap.models.robot.compiled import compiled
 from rallygap.models.robot.constants import BASE, BLADE, JOINTS
+from rallygap.models.support.compilation import compiler
+
+_HERE = Path(__file__).parent
+_SOURCES = (_HERE / f"{name}.py" for name in ("constants", "kinematics", "control", "contact"))
+compiled = compiler([*_SOURCES, Path(state.__file__)])  # for this package's functions
 
 _AXES = tuple("xyz".index(joint.axis) for joint in JOINTS)
 _ORIGINS = tuple(joint.origin for joint in JOINTS)
@@ -96,13 +102,6 @@ def locate(joints: Floats, frame: Floats, columns: Floats) -> Vector:
             point = (point[0] + along[0], point[1] + along[1], point[2] + along[2])
         pivots[joint] = point
     centre = _moved(point, frame, BLADE)
-    _complete(columns, pivots, centre)
-    return centre
-
-
-@compiled
-def _complete(columns: Floats, pivots: Floats, centre: Vector) -> None:
-    """Complete the Jacobian from the joint axes, for prismatic and revolute joints."""
     for joint in range(JOINT_COUNT):
         if not _TURNS[joint]:
             columns[3:, joint] = 0.0
@@ -114,6 +113,7 @@ def _complete(columns: Floats, pivots: Floats, centre: Vector) -> None:
         columns[0, joint] = ay * z - az * y
         columns[1, joint] = az * x - ax * z
         columns[2, joint] = ax * y - ay * x
+    return centre
 
 
 @compiled

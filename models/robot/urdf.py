@@ -33,7 +33,8 @@ def inertia(solids: Sequence[Solid]) -> tuple[float, Floats, Floats]:
     centre = masses @ places / masses.sum()
     total = np.zeros((3, 3))
     for solid, offset in zip(solids, places - centre, strict=True):
-        rotation = _about_x(solid.pitch)
+        c, s = np.cos(solid.pitch), np.sin(solid.pitch)
+        rotation = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
         central = rotation @ np.diag(_principal(solid)) @ rotation.T
         # Parallel-axis theorem.
         total += central + solid.mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
@@ -50,11 +51,6 @@ def _principal(solid: Solid) -> Floats:
     return solid.mass * np.array([level, level, radius / 2])
 
 
-def _about_x(angle: float) -> Floats:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-
-
 def _add_link(arm: Xml.Element, name: str, solids: Sequence[Solid], colour: str) -> None:
     link = Xml.SubElement(arm, "link", name=name)
     mass, centre, tensor = inertia(solids)
@@ -64,18 +60,15 @@ def _add_link(arm: Xml.Element, name: str, solids: Sequence[Solid], colour: str)
     upper = {f"i{'xyz'[i]}{'xyz'[j]}": _text(tensor[i, j]) for i in range(3) for j in range(i, 3)}
     Xml.SubElement(inertial, "inertia", upper)
     for solid in solids:
+        sizes = {"size": _text(*solid.size)}
+        if solid.shape == "cylinder":
+            sizes = dict(zip(("radius", "length"), map(_text, solid.size), strict=True))
         for use in ("visual", "collision"):
             part = Xml.SubElement(link, use)
             Xml.SubElement(part, "origin", xyz=_text(*solid.position), rpy=_text(solid.pitch, 0, 0))
-            Xml.SubElement(Xml.SubElement(part, "geometry"), solid.shape, _measures(solid))
+            Xml.SubElement(Xml.SubElement(part, "geometry"), solid.shape, sizes)
             if use == "visual":
                 Xml.SubElement(part, "material", name=colour)
-
-
-def _measures(solid: Solid) -> dict[str, str]:
-    if solid.shape == "box":
-        return {"size": _text(*solid.size)}
-    return dict(zip(("radius", "length"), map(_text, solid.size), strict=True))
 
 
 def _add_joint(arm: Xml.Element, joint: Joint, parent: str) -> None:

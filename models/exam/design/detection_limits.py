@@ -93,15 +93,16 @@ class DetectionLimits:
         own = [] if self.evidence.listed[k] else [j for j in self.evidence.free if j in rivals]
 
         def substitutes(sets: Iterable[tuple[int, ...]]) -> tuple[str, ...]:
-            hiding = (places for places in sets if self._hides(k, size, [*places, *free]))
+            informations = ((places, self._information(k, [*places, *free])) for places in sets)
+            hiding = (
+                places
+                for places, information in informations
+                if abs(size) * float(np.sqrt(max(information, 0.0))) < DETECTABLE
+            )
             found = dict.fromkeys(j for places in hiding for j in places)
             return tuple(self.evidence.columns[j].identity for j in found)
 
         return substitutes(combinations(rivals, 1)) or substitutes(combinations(own, 2))
-
-    def _hides(self, k: int, size: float, free: list[int]) -> bool:
-        """Return whether free parameters leave less than the detection limit of a size."""
-        return abs(size) * float(np.sqrt(max(self._information(k, free), 0.0))) < DETECTABLE
 
     def _information(self, k: int, free: list[int]) -> float:
         return float(self.evidence.score_test([k], free).information[0, 0])
@@ -114,9 +115,15 @@ class DetectionLimits:
         free = self._free(k, self._places([other for other in all_hidden if other != hidden]))
         if not self._decidable(k, free):
             return np.inf
-        if hidden.effect in self.withheld:
-            return self._minimum_size_of_withheld(k)
-        return self.evidence.minimum_detectable_effect(k, free)
+        if hidden.effect not in self.withheld:
+            return self.evidence.minimum_detectable_effect(k, free)
+        total, columns = self.evidence.total, self.evidence.columns
+        observable = np.flatnonzero(self.evidence.observable).tolist()
+        known = [j for j in observable if columns[j].effect not in self.withheld]
+        mixed = identifiable_directions(total[np.ix_(known, known)]).T @ total[known, k]
+        own = total[k, k] - mixed @ mixed
+        enough = own > MINIMUM_OWN_INFORMATION * total[k, k]
+        return float(DETECTABLE / np.sqrt(own)) if enough else np.inf
 
     def _free(self, k: int, others: list[int]) -> list[int]:
         """Return the other and the simulator's own parameters, without one too similar to ``k``."""
@@ -130,16 +137,6 @@ class DetectionLimits:
     def _decidable(self, k: int, free: list[int]) -> bool:
         evidence = self.evidence
         return bool(evidence.observable[k]) and evidence.decides(evidence.score_test([k], free))
-
-    def _minimum_size_of_withheld(self, k: int) -> float:
-        """Return the minimum size of a parameter with all that is not withheld free."""
-        total, columns = self.evidence.total, self.evidence.columns
-        observable = np.flatnonzero(self.evidence.observable).tolist()
-        free = [j for j in observable if columns[j].effect not in self.withheld]
-        mixed = identifiable_directions(total[np.ix_(free, free)]).T @ total[free, k]
-        own = total[k, k] - mixed @ mixed
-        enough = own > MINIMUM_OWN_INFORMATION * total[k, k]
-        return float(DETECTABLE / np.sqrt(own)) if enough else np.inf
 
     def _places(self, parameters: Sequence[Hypothesis]) -> list[int]:
         columns = self.evidence.columns

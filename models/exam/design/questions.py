@@ -45,7 +45,7 @@ SENSOR_FAULTS, NOMINAL_OFF, WITHHELD, UNLABELLED, ONE_DIRECTION = 40, 50, 50, 40
 
 def exam(nominal: Simulator, seed: int) -> list[Question]:
     """Return all questions about a nominal simulator, each with a seed that its name gives it."""
-    groups = (_sweeps, _clean, _pairs, _sensor_faults, _nominal_off, _other_groups, robustness)
+    groups = (_sweeps, _clean, _pairs, _other_groups, robustness)
     return [question for group in groups for question in group(nominal, seed)]
 
 
@@ -80,38 +80,30 @@ def _pairs(nominal: Simulator, seed: int) -> Iterator[Question]:
 
 
 def _other_groups(nominal: Simulator, seed: int) -> Iterator[Question]:
-    missing = [hidden for hidden in hideable() if not hidden.listed(nominal)]
-    for number, hidden in _drawn(missing, seed, "withheld", WITHHELD):
-        withheld = (hidden.effect,)
-        yield question("withheld", "", number, nominal, seed, (hidden,), withheld=withheld)
-    need_no_label = [hidden for hidden in hideable() if hidden.effect not in NEED_LABELS]
-    for number, hidden in _drawn(need_no_label, seed, "unlabelled", UNLABELLED):
-        yield question("unlabelled", "", number, nominal, seed, (hidden,), spin_labels="none")
-    for number, hidden in _drawn(hideable(), seed, "one_direction", ONE_DIRECTION):
-        yield question("one_direction", "", number, nominal, seed, (hidden,), directions=1)
-
-
-def _sensor_faults(nominal: Simulator, seed: int) -> Iterator[Question]:
-    """Yield faults of the sensor, with cameras that are worse in every other way, too."""
-    faults = [hidden for hidden in hideable() if catalogue()[hidden.effect].acts == "sensor"]
-    faulty: dict[str, Any] = {
-        "cameras": FAULTY,
-        "time_resolution": 0.001,
-        "spin_labels": "per_shot",
-    }
-    for number, hidden in _drawn(faults, seed, "sensor_fault", SENSOR_FAULTS):
-        yield question("sensor_fault", "", number, nominal, seed, (hidden,), **faulty)
-
-
-def _nominal_off(nominal: Simulator, seed: int) -> Iterator[Question]:
-    """Yield missing effects while a parameter of the nominal simulator is off at the same time."""
-    missing = [hidden for hidden in hideable() if not hidden.listed(nominal)]
-    listed = [hidden for hidden in hideable() if hidden.listed(nominal)]
+    """Yield the other groups, in which every parameter is hidden equally often."""
+    parameters = hideable()
+    sensor = [hidden for hidden in parameters if catalogue()[hidden.effect].acts == "sensor"]
+    # Faults of the sensor, with cameras that are worse in every other way, too.
+    faulty: dict[str, Any] = {"cameras": FAULTY, "time_resolution": 0.001}
+    for number, hidden in _drawn(sensor, seed, "sensor_fault", SENSOR_FAULTS):
+        part = ("sensor_fault", "", number, nominal, seed, (hidden,))
+        yield question(*part, spin_labels="per_shot", **faulty)
+    missing = [hidden for hidden in parameters if not hidden.listed(nominal)]
+    listed = [hidden for hidden in parameters if hidden.listed(nominal)]
     random = np.random.default_rng(seed_of(seed, "own"))
+    # Missing effects while a parameter of the nominal simulator is off at the same time.
     for number, hidden in _drawn(missing, seed, "nominal_off", NOMINAL_OFF):
         others = [other for other in listed if family(other) != family(hidden)]
         off = others[random.integers(len(others))]
         yield question("nominal_off", "", number, nominal, seed, (hidden, off))
+    for number, hidden in _drawn(missing, seed, "withheld", WITHHELD):
+        withheld = (hidden.effect,)
+        yield question("withheld", "", number, nominal, seed, (hidden,), withheld=withheld)
+    need_no_label = [hidden for hidden in parameters if hidden.effect not in NEED_LABELS]
+    for number, hidden in _drawn(need_no_label, seed, "unlabelled", UNLABELLED):
+        yield question("unlabelled", "", number, nominal, seed, (hidden,), spin_labels="none")
+    for number, hidden in _drawn(parameters, seed, "one_direction", ONE_DIRECTION):
+        yield question("one_direction", "", number, nominal, seed, (hidden,), directions=1)
 
 
 def _drawn(

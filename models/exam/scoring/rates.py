@@ -20,7 +20,7 @@
   a gap (any but ``no_gap``), without a cause of another effect. The *leading cause* is the hidden
   one, of several that with the largest effect on trajectories.
 - *Removable gap closed*: over all trials with a cause that can be named, the sum of the
-  reductions of the gap by amended simulators, divided by the sum of the gaps (removable_gap.py).
+  reductions of the gap by amended simulators, divided by the sum of the gaps (runner.py).
   The reduction of a method that fails is zero.
 
 A rate without any trial is None.

@@ -8,7 +8,6 @@ states and bounce scatter of each shot are nuisance parameters.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import root
@@ -38,15 +37,6 @@ SPIN_PRIOR = 150.0  # rad/s, standard deviation of an unlabelled spin
 Measure = Callable[..., Floats]  # from a ball, and launch states, to weighted measurements
 
 
-@dataclass(frozen=True)
-class Fit:
-    """A linear fit of parameters to the difference between two dynamics."""
-
-    parameters: tuple[Hypothesis, ...]  # the P fitted ones
-    gain: Floats  # (P, B, R) from residuals to changes of the parameters
-    errors: Floats  # (P,) standard errors
-
-
 def equivalent_physics(trial: Trial, launches: Launches) -> Physics:
     """Return the independent constants for which a best fit finds the trial's causes.
 
@@ -58,17 +48,17 @@ def equivalent_physics(trial: Trial, launches: Launches) -> Physics:
     if not set(trial.causes) & set(FORMS):
         return physics
     measure = _measure(trial, launches)
-    fit = best_fit(trial, launches)
-    names = [f"{parameter.effect}_{parameter.parameter}" for parameter in fit.parameters]
+    parameters, gain, errors = best_fit(trial, launches)
+    names = [f"{parameter.effect}_{parameter.parameter}" for parameter in parameters]
     start = np.array([getattr(physics, name) for name in names])
     expected = measure(simulator)
 
     def constants(steps: Floats) -> Physics:
-        return physics._replace(**dict(zip(names, start + steps * fit.errors, strict=True)))
+        return physics._replace(**dict(zip(names, start + steps * errors, strict=True)))
 
     def deviations(steps: Floats) -> Floats:
         residuals = measure(IndependentBall(constants(steps))) - expected
-        return np.einsum("pbr,br->p", fit.gain, residuals) / fit.errors
+        return np.einsum("pbr,br->p", gain, residuals) / errors
 
     solution = root(deviations, np.zeros(len(names)), options={"xtol": 1e-4, "eps": 1e-4})
     if not np.abs(solution.fun).max() < 0.1:
@@ -76,24 +66,44 @@ def equivalent_physics(trial: Trial, launches: Launches) -> Physics:
     return constants(solution.x)
 
 
-def best_fit(trial: Trial, launches: Launches) -> Fit:
-    """Return the fit of hidden and own parameters about the simulator with the causes."""
+def best_fit(trial: Trial, launches: Launches) -> tuple[tuple[Hypothesis, ...], Floats, Floats]:
+    """Return the linear fit of hidden and own parameters about the simulator with the causes.
+
+    Sensor effects and surfaces that no shot meets are left out.
+
+    Returns:
+        The P fitted parameters, the (P, B, R) gain from residuals to their changes, and their (P,)
+        standard errors.
+    """
     simulator, measure = trial.simulator, _measure(trial, launches)
-    states = launches.states[:SHOTS]
-    parameters = _fitted_parameters(trial)
+    pairs = {
+        (effect, name)
+        for effects in (trial.base.effects, trial.causes)
+        for effect, values in effects.items()
+        for name in values
+        if effect not in OTHER_SURFACES and catalogue()[effect].acts != "sensor"
+    }
+    parameters = tuple(Hypothesis(*pair) for pair in sorted(pairs))
     slopes = np.stack([_slope(measure, simulator, p) for p in parameters], axis=2)
-    left = projected_out(slopes, *_nuisance(trial, states, measure))
+    left = projected_out(slopes, *_nuisance(trial, launches.states[:SHOTS], measure))
     covariance = np.linalg.inv(np.einsum("brp,brq->pq", left, slopes))
     gain = np.einsum("pq,brq->pbr", covariance, left)
-    return Fit(parameters, gain, np.sqrt(np.diag(covariance)))
+    return parameters, gain, np.sqrt(np.diag(covariance))
 
 
 def _measure(trial: Trial, launches: Launches) -> Measure:
-    """Return a function from a ball (and launch states) to its (B, R) weighted measurements."""
+    """Return a function from a ball (and launch states) to its (B, R) weighted measurements.
+
+    Left out are samples near a bounce, where spins jump, and shots that bounce near an edge, which
+    may miss the table in the other dynamics.
+    """
     states, durations = launches.states[:SHOTS], launches.durations[:SHOTS]
     times = durations[:, None] * np.linspace(0.0, 1.0, SAMPLES)
-    density = durations[:, None] / trial.cameras.interval / SAMPLES
-    weight = np.sqrt(density) * _comparable(trial.simulator, states, times)
+    contacts = trial.simulator.fly(states, times[:, -1:] + NEAR_BOUNCE).contacts
+    apart = np.abs(times[:, :, None] - contacts.time[:, None, :]) >= NEAR_BOUNCE
+    comparable: Bools = np.all(apart | np.isnan(contacts.time)[:, None, :], axis=2)
+    comparable[(np.abs(contacts.before[..., :2]) > WELL_INSIDE).any(axis=(1, 2))] = False
+    weight = np.sqrt(durations[:, None] / trial.cameras.interval / SAMPLES) * comparable
     sigma = _label_error(trial, states)
 
     def measure(ball: Simulator | IndependentBall, first: Floats = states) -> Floats:
@@ -106,39 +116,10 @@ def _measure(trial: Trial, launches: Launches) -> Measure:
     return measure
 
 
-def _comparable(simulator: Simulator, states: Floats, times: Floats) -> Bools:
-    """Return which of (B, T) samples both dynamics can be compared at.
-
-    Left out are samples near a bounce, where spins jump, and shots that bounce near an edge, which
-    may miss the table in the other dynamics.
-    """
-    contacts = simulator.fly(states, times[:, -1:] + NEAR_BOUNCE).contacts
-    apart = np.abs(times[:, :, None] - contacts.time[:, None, :]) >= NEAR_BOUNCE
-    outside = np.abs(contacts.before[..., :2]) > WELL_INSIDE
-    comparable: Bools = np.all(apart | np.isnan(contacts.time)[:, None, :], axis=2)
-    comparable[outside.any(axis=(1, 2))] = False
-    return comparable
-
-
 def _label_error(trial: Trial, states: Floats) -> Floats:
     """Return (B,) standard deviations of a label's components in rad/s."""
     spins = np.linalg.norm(states[:, SPIN], axis=1)
     return trial.cameras.spin_noise * spins + MINIMUM_LABEL_ERROR
-
-
-def _fitted_parameters(trial: Trial) -> tuple[Hypothesis, ...]:
-    """Return the parameters of the nominal simulator and the hidden ones, without sensor effects.
-
-    Surfaces that no shot meets are left out, too.
-    """
-    pairs = {
-        (effect, name)
-        for effects in (trial.base.effects, trial.causes)
-        for effect, values in effects.items()
-        for name in values
-        if effect not in OTHER_SURFACES and catalogue()[effect].acts != "sensor"
-    }
-    return tuple(Hypothesis(*pair) for pair in sorted(pairs))
 
 
 def _slope(measure: Measure, simulator: Simulator, parameter: Hypothesis) -> Floats:
@@ -160,11 +141,8 @@ def _nuisance(trial: Trial, states: Floats, measure: Measure) -> tuple[Floats, F
         shift = step * np.eye(9)[i]
         above, below = measure(simulator, states + shift), measure(simulator, states - shift)
         columns.append((above - below) / (2 * step))
-    for name, share in (
-        ("restitution", trial.scatter.restitution),
-        ("friction", trial.scatter.friction),
-    ):
-        size = share * simulator.effects["table_bounce"][name]
+    for name in ("restitution", "friction"):
+        size = getattr(trial.scatter, name) * simulator.effects["table_bounce"][name]
         columns.append(size * _slope(measure, simulator, Hypothesis("table_bounce", name)))
     precision = np.zeros((len(states), len(columns)))
     precision[:, :6] = LAUNCH_PRIOR**-2

@@ -55,7 +55,11 @@ def _fly(
         y, now = first[b].copy(), 0.0
         for k in range(length):
             if moments[b, k] < now:
-                paths[b, k] = _backwards(y, moments[b, k] - now, q)
+                span = moments[b, k] - now  # backwards, in free flight
+                pieces = int(np.ceil(-span / LONGEST_STEP))
+                paths[b, k] = y
+                for _ in range(pieces):
+                    paths[b, k] = step(paths[b, k], span / pieces, q)
                 continue
             count[b] = _onwards(y, now, moments[b, k], q, count[b], time[b], before[b], after[b])
             now = moments[b, k]
@@ -91,16 +95,6 @@ def _onwards(
             after[bounces] = y
             bounces += 1
     return bounces
-
-
-@compiled
-def _backwards(y: Floats, span: float, q: Physics) -> Floats:
-    """Return where a ball in free flight was ``-span`` seconds before."""
-    pieces = int(np.ceil(-span / LONGEST_STEP))
-    earlier = y.copy()
-    for _ in range(pieces):
-        earlier = step(earlier, span / pieces, q)
-    return earlier
 
 
 @compiled

@@ -19,7 +19,7 @@ from rallygap.models.ball.state import (
     TABLE_HALF_WIDTH,
     VELOCITY,
 )
-from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.ball.types import Floats
 
 LAUNCH_SPEED = (4.0, 15.0)  # m/s
 GROUND_SPEED = (2.5, 11.0)  # m/s along the table at the bounce
@@ -79,8 +79,10 @@ def _drawn(simulator: Simulator, random: np.random.Generator) -> tuple[Floats, F
     start, place = flight.states[:, 0], flight.states[..., POSITION]
     low = place[..., 2] < NET_HEIGHT + BALL_RADIUS + NET_CLEARANCE
     into_net = (low & (np.abs(place[..., 1]) < 0.15)).any(axis=1)
-    used = _within(np.linalg.norm(start[:, VELOCITY], axis=1), LAUNCH_SPEED)
-    used &= _within(start[:, 2], LAUNCH_HEIGHT) & (start[:, 1] > -FARTHEST) & ~into_net
+    speed, height = np.linalg.norm(start[:, VELOCITY], axis=1), start[:, 2]
+    used = (speed >= LAUNCH_SPEED[0]) & (speed <= LAUNCH_SPEED[1]) & ~into_net
+    used &= (height >= LAUNCH_HEIGHT[0]) & (height <= LAUNCH_HEIGHT[1])
+    used &= start[:, 1] > -FARTHEST
     second = flight.contacts.before[:, 1, :2]
     used &= ~serves | ((np.abs(second) < WELL_INSIDE).all(axis=1) & (second[:, 1] > 0))
     return start[used], before[used]
@@ -127,7 +129,3 @@ def _durations(
     early = before - random.uniform(0.01, 0.05, len(states))
     flight_only = random.random(len(states)) < FLIGHT_ONLY
     return np.where(flight_only, early, np.minimum(durations, gone))
-
-
-def _within(values: Floats, limits: tuple[float, float]) -> Bools:
-    return np.logical_and(values >= limits[0], values <= limits[1])

@@ -11,12 +11,7 @@ from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE
 from rallygap.models.ball.types import Floats, Integers
 from rallygap.models.exam.interface import Recording
-from rallygap.models.exam.simulate.camera_errors import (
-    LabelErrors,
-    Stamps,
-    rising,
-    tail_factors,
-)
+from rallygap.models.exam.simulate.camera_errors import LabelErrors, Stamps, rising, tail_factors
 from rallygap.models.exam.simulate.equivalent_sizes import equivalent_physics
 from rallygap.models.exam.simulate.independent_ball import IndependentBall
 from rallygap.models.exam.simulate.launches import Launches, launches
@@ -127,24 +122,38 @@ def _untuned(trial: Trial, simulator: Simulator) -> BallModel:
     return IndependentBall(physics_of(simulator)) if independent else simulator
 
 
-def _recordings(truth: SealedTruth) -> list[Recording]:
-    trial = truth.trial
+def _recordings(truth: SealedTruth) -> Iterator[Recording]:
+    """Yield every shot with the errors of the cameras."""
+    trial, errors = truth.trial, truth.trial.errors
     frames, noise = _random(trial, FRAMES), _random(trial, NOISE)
     times, counts = _frames(truth.durations, trial.cameras.interval, frames)
     positions, labels = truth.measured(times, _random(trial, SENSOR))
     shared = _random(trial, SHARED)  # errors that several rows share
-    if trial.errors.distortion is not None:
-        positions = positions + trial.errors.distortion.errors(positions, shared)
-    if trial.errors.labels != LabelErrors():
+    if errors.distortion is not None:
+        positions = positions + errors.distortion.errors(positions, shared)
+    if errors.labels != LabelErrors():
         arcs = (times[:, :, None] >= truth.bounce_times[:, None]).sum(axis=2)
-        labels = trial.errors.labels.added(labels, arcs, shared)
-    others = _random(trial, OTHERS)
-    return [
-        _recording(
-            trial, times[shot, :count], positions[shot, :count], labels[shot, :count], noise, others
-        )
-        for shot, count in enumerate(counts)
-    ]
+        labels = errors.labels.added(labels, arcs, shared)
+    others = _random(trial, OTHERS)  # of heavy tails and time stamps
+    for shot, count in enumerate(counts):
+        states = np.zeros((count, STATE_SIZE))
+        states[:, POSITION], states[:, SPIN] = positions[shot, :count], labels[shot, :count]
+        seen, spins, kept = trial.cameras.measure(states, noise)
+        if errors.tails is not None:
+            factors = tail_factors(count, errors.tails, others)
+            seen = states[:, POSITION] + factors[:, None] * (seen - states[:, POSITION])
+        stamps = times[shot, :count]
+        if trial.time_resolution > 0.0:
+            stamps = np.round(stamps / trial.time_resolution) * trial.time_resolution
+        if errors.stamps != Stamps():
+            stamps = errors.stamps.stamped(stamps, others)
+            kept = rising(stamps, kept)
+        labelled = {
+            "none": np.zeros(count, dtype=bool),
+            "per_shot": np.arange(count) == 0,
+            "per_row": kept,
+        }[trial.spin_labels]
+        yield Recording(stamps[kept], seen[kept], stamps[labelled], spins[labelled])
 
 
 def _frames(
@@ -158,43 +167,6 @@ def _frames(
     times = phase[:, None] + interval * number + jitter
     last = np.minimum(number, counts[:, None] - 1)
     return np.take_along_axis(times, last, axis=1), counts
-
-
-def _recording(
-    trial: Trial,
-    times: Floats,
-    positions: Floats,
-    labels: Floats,
-    random: np.random.Generator,
-    others: np.random.Generator,
-) -> Recording:
-    """Return one shot with the errors of the cameras, from exact measurements.
-
-    Args:
-        trial: with the cameras.
-        times: (T,) of the frames.
-        positions: (T, 3) exact ones.
-        labels: (T, 3) exact ones.
-        random: of the cameras' own errors.
-        others: of heavy tails and time stamps.
-    """
-    states = np.zeros((len(times), STATE_SIZE))
-    states[:, POSITION], states[:, SPIN] = positions, labels
-    seen, labels, kept = trial.cameras.measure(states, random)
-    if trial.errors.tails is not None:
-        factors = tail_factors(len(times), trial.errors.tails, others)
-        seen = positions + factors[:, None] * (seen - positions)
-    if trial.time_resolution > 0.0:
-        times = np.round(times / trial.time_resolution) * trial.time_resolution
-    if trial.errors.stamps != Stamps():
-        times = trial.errors.stamps.stamped(times, others)
-        kept = rising(times, kept)
-    labelled = {
-        "none": np.zeros(len(kept), dtype=bool),
-        "per_shot": np.arange(len(kept)) == 0,
-        "per_row": kept,
-    }[trial.spin_labels]
-    return Recording(times[kept], seen[kept], times[labelled], labels[labelled])
 
 
 def _random(trial: Trial, stream: int) -> np.random.Generator:

@@ -6,7 +6,8 @@ import pytest
 
 from rallygap.models.exam.design.question import Question
 from rallygap.models.exam.interface import Answer, NamedCause, Recording
-from rallygap.models.exam.runner import run_question
+from rallygap.models.exam.runner import RemovableGap, run_question
+from rallygap.models.exam.simulate.recordings import simulate_trial
 from rallygap.models.exam.simulate.varying import Variation
 from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL, trial
@@ -16,11 +17,6 @@ WIND, DRAG = Hypothesis("wind", "x"), Hypothesis("drag", "cd")
 
 def question(*hidden, group="sweep", **settings):
     return Question(group, trial(shots=12, seed=1002, **settings), hidden, cell="base")
-
-
-def several(*hidden, **settings):
-    record = run_question(question(*hidden, group="several", **settings), {"no_gap": no_gap})
-    return record
 
 
 def no_gap(recordings, nominal, withheld):
@@ -84,31 +80,26 @@ def test_a_question_that_cannot_be_posed_has_a_reason_and_no_answers(labels):
 
 
 def test_the_effects_of_several_causes_are_measured():
-    record = several(WIND, DRAG)
+    record, single = (
+        run_question(question(*hidden, group="several"), {"no_gap": no_gap})
+        for hidden in ((WIND, DRAG), (WIND,))
+    )
 
     assert all(cause.effect_mm > 0.0 for cause in record.hidden)
     assert sum(cause.effect_mm for cause in record.hidden) > 0.5 * record.gap_before_mm
-    (alone,) = several(WIND).hidden
-    assert alone.effect_mm is None
+    assert single.hidden[0].effect_mm is None
 
 
 def test_where_the_nominal_simulator_is_far_off_this_is_part_of_the_truth():
-    calls = []
-
-    def spy(recordings, nominal, withheld):
-        calls.append(nominal)
-        return Answer("no_gap", (), nominal)
-
-    nominal = NOMINAL.amended("drag", cd=0.3)
-    asked = replace(question(WIND), trial=replace(trial(shots=12, seed=1002), nominal=nominal))
-    far = replace(asked, trial=replace(asked.trial, far_off={"drag": {"cd": 0.54}}))
-    record = run_question(far, {"spy": spy})
+    asked = question(WIND, far_off={"drag": {"cd": 0.54}})
+    far = replace(asked.trial, nominal=NOMINAL.amended("drag", cd=0.3))
+    record = run_question(replace(asked, trial=far), {"no_gap": no_gap})
 
     assert record.parameters == ("wind.x", "drag.cd")
     wind, drag = record.hidden
     assert (drag.nominal, drag.value, drag.kind) == (0.3, 0.54, "wrong_value")
     assert drag.effect_mm > wind.effect_mm
-    assert calls == [nominal]
+    assert record.answers["no_gap"].gap_after_mm == record.gap_before_mm
 
 
 def test_a_cause_that_varies_has_no_removable_gap():
@@ -118,3 +109,23 @@ def test_a_cause_that_varies_has_no_removable_gap():
 
     assert record.hidden[0].identity == "wind.x"
     assert (record.gap_before_mm, record.answers["no_gap"].gap_after_mm) == (None, None)
+
+
+def gap(**settings):
+    _, truth = simulate_trial(trial(shots=5, **settings))
+    return RemovableGap(truth), truth.trial.simulator
+
+
+def test_a_perfect_simulator_leaves_no_removable_gap_scatter_and_noise_aside():
+    found, true = gap(causes={"wind": {"x": 0.4}, "clock_rate": {"d": 0.004}})
+    assert found.remaining(true) == pytest.approx(0.0, abs=1e-6)
+    assert found.remaining(NOMINAL) > 3.0
+
+
+def test_the_removable_gap_is_proportional_to_how_wrong_a_simulator_is():
+    found, _ = gap(causes={"wind": {"x": 0.4}})
+    half = found.remaining(NOMINAL.amended("wind", x=0.2))
+    assert half == pytest.approx(found.remaining(NOMINAL) / 2, rel=0.05)
+    # The best size of another form leaves little.
+    found, equivalent = gap(causes={"wind": {"x": 0.4}}, dynamics="independent")
+    assert 0.0 < found.remaining(equivalent) < 0.3 * found.remaining(NOMINAL)

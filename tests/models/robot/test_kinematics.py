@@ -1,12 +1,13 @@
-"""Where the racket is and how it moves, compared with Bullet."""
+"""The arm in Bullet: where its racket is, and the limits, masses and inertias of its file."""
 
 import numpy as np
 import pybullet
 import pytest
 
 from rallygap.models.robot.arms import add_arm, open_world
-from rallygap.models.robot.constants import BLADE, JOINTS, LOWER, NEUTRAL, SPEED, UPPER
+from rallygap.models.robot.constants import BLADE, JOINTS, LOWER, NEUTRAL, SPEED, UPPER, Solid
 from rallygap.models.robot.kinematics import racket
+from rallygap.models.robot.urdf import inertia
 
 RACKET_LINK = len(JOINTS) - 1
 POSES = np.random.default_rng(3).uniform(LOWER, UPPER, (40, len(JOINTS)))
@@ -20,14 +21,10 @@ def arm():
     pybullet.disconnect(physicsClientId=client)
 
 
-def pose(arm, joints, speeds):
-    for index, (value, speed) in enumerate(zip(joints, speeds, strict=True)):
-        pybullet.resetJointState(jointIndex=index, targetValue=value, targetVelocity=speed, **arm)
-
-
 def bullet_racket(arm, joints, speeds):
     """Position, normal, velocity and turning of the racket according to Bullet."""
-    pose(arm, joints, speeds)
+    for index, (value, speed) in enumerate(zip(joints, speeds, strict=True)):
+        pybullet.resetJointState(jointIndex=index, targetValue=value, targetVelocity=speed, **arm)
     state = pybullet.getLinkState(
         linkIndex=RACKET_LINK, computeLinkVelocity=1, computeForwardKinematics=1, **arm
     )
@@ -50,3 +47,47 @@ def test_in_neutral_the_racket_waits_behind_the_table_and_faces_it():
     ours = racket([NEUTRAL], [NEUTRAL])
     np.testing.assert_allclose(ours.position[0], [0.0, -1.64, 0.30], atol=5e-3)
     np.testing.assert_allclose(ours.normal[0], [0.0, np.cos(0.2), np.sin(0.2)], atol=1e-12)
+
+
+def grid(solid, n=60):
+    """Points that fill a solid evenly, in its link's frame."""
+    extent = solid.size if solid.shape == "box" else (*(2 * solid.size[0],) * 2, solid.size[1])
+    ticks = (np.arange(n) + 0.5) / n - 0.5
+    points = np.stack(np.meshgrid(*(ticks * length for length in extent)), -1).reshape(-1, 3)
+    if solid.shape == "cylinder":
+        points = points[np.hypot(points[:, 0], points[:, 1]) <= solid.size[0]]
+    c, s = np.cos(solid.pitch), np.sin(solid.pitch)
+    return points @ np.array([[1, 0, 0], [0, c, s], [0, -s, c]]) + solid.position
+
+
+LINKS = [pytest.param(joint.link, id=joint.name) for joint in JOINTS]
+TURNED_BOX = (Solid("box", (0.1, 0.2, 0.3), 1.0, (0.1, -0.2, 0.3), 0.7), Solid("box", (1, 1, 1), 2))
+
+
+@pytest.mark.parametrize("link", [*LINKS, pytest.param(TURNED_BOX, id="turned")])
+def test_inertia_is_that_of_the_mass_spread_over_the_solids(link):
+    points = [grid(solid) for solid in link]
+    weights = np.concatenate(
+        [np.full(len(p), solid.mass / len(p)) for p, solid in zip(points, link, strict=True)]
+    )
+    points = np.concatenate(points)
+    mass, centre, tensor = inertia(link)
+    assert mass == pytest.approx(weights.sum())
+    np.testing.assert_allclose(centre, weights @ points / mass, atol=1e-12)
+    arms = points - centre
+    spread = np.einsum("n,ni,nj->ij", weights, arms, arms)
+    expected = np.trace(spread) * np.eye(3) - spread
+    np.testing.assert_allclose(tensor, expected, atol=2e-3 * np.trace(expected))
+
+
+@pytest.mark.parametrize("index", range(len(JOINTS)))
+def test_bullet_has_the_limits_masses_and_inertias_of_the_constants(arm, index):
+    mass, _, principal, centre, *_ = pybullet.getDynamicsInfo(linkIndex=index, **arm)
+    expected_mass, expected_centre, tensor = inertia(JOINTS[index].link)
+    assert mass == pytest.approx(expected_mass)
+    np.testing.assert_allclose(centre, expected_centre, atol=1e-12)
+    np.testing.assert_allclose(np.sort(principal), np.linalg.eigvalsh(tensor), rtol=1e-6)
+    joint, info = JOINTS[index], pybullet.getJointInfo(jointIndex=index, **arm)
+    kinds = {"prismatic": pybullet.JOINT_PRISMATIC, "revolute": pybullet.JOINT_REVOLUTE}
+    assert (info[1].decode(), info[2]) == (joint.name, kinds[joint.kind])
+    assert info[8:12] == (joint.lower, joint.upper, joint.force, joint.speed)

@@ -56,16 +56,7 @@ def test_the_posterior_is_the_conditional_normal_distribution():
     assert deviation == pytest.approx(np.sqrt(np.diag(prior - gain @ kept @ prior)))
 
 
-def test_the_posterior_contains_coefficients_of_the_prior_as_often_as_it_says():
-    random, inside = np.random.default_rng(1), []
-    for seed in range(400):
-        truth = WIDTHS * random.standard_normal(4)
-        mean, deviation = posterior(gram(*drawn(*truth, seed=seed)), WIDTHS, (0, 1, 2, 3))
-        inside.extend(np.abs(truth - mean) < 1.96 * deviation)
-    assert np.mean(inside) == pytest.approx(0.95, abs=0.02)
-
-
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(4))
 def test_greedy_search_finds_the_best_of_all_sets(seed):
     table = gram(*drawn(1.0, 0.0, 0.4, -0.3, 0.1, seed=seed))
     widths = np.full(5, 2.0)
@@ -73,7 +64,7 @@ def test_greedy_search_finds_the_best_of_all_sets(seed):
     assert greedy(table, widths, 2.0) == best
 
 
-def test_planted_terms_are_found_whatever_their_scale():
+def test_planted_terms_are_found_whatever_their_scale_and_none_in_noise():
     coefficients = np.zeros(30)
     coefficients[[4, 11, 27]] = 1.0, -1.5, 2.0
     table, scale = gram(*drawn(*coefficients, samples=200)), np.geomspace(1e-6, 1e6, 30)
@@ -81,11 +72,8 @@ def test_planted_terms_are_found_whatever_their_scale():
     scaled = table * np.outer(whole, whole)
     assert greedy(table, np.full(30, 3.0), 5.0) == (4, 11, 27)
     assert greedy(scaled, 3.0 / scale, 5.0) == (4, 11, 27)
-
-
-def test_no_term_is_found_in_noise():
-    found = [greedy(gram(*drawn(*np.zeros(30), seed=k)), np.full(30, 5.0), 5.0) for k in range(50)]
-    assert found == [()] * 50
+    noise = (gram(*drawn(*np.zeros(30), seed=seed)) for seed in range(10))
+    assert [greedy(of_noise, np.full(30, 5.0), 5.0) for of_noise in noise] == [()] * 10
 
 
 def test_a_term_that_stands_for_two_others_is_removed_when_they_are_found():
@@ -114,26 +102,14 @@ def regression(table):
     )
 
 
-def standardised(common):
-    """Return (200, 6) least-squares coefficients in noise, in the errors that scores give them."""
+@pytest.mark.parametrize("common", [0.0, 2.0])
+def test_coefficients_are_as_far_from_the_truth_as_their_errors_say(common):
     coefficients = []
     for seed in range(200):
         table = score_gram(regression(rows(common=common, seed=seed)))
         inverse = np.linalg.inv(table[:-1, :-1])
         coefficients.append(inverse @ table[:-1, -1] / np.sqrt(np.diag(inverse)))
-    return np.array(coefficients)
-
-
-def test_scores_of_independent_rows_have_the_gram_matrix_of_the_rows():
-    many = regression(rows(shots=4000))
-    expected = many.total[:-1, :-1]
-    assert score_gram(many)[:-1, :-1] == pytest.approx(expected, abs=0.04 * expected.max())
-
-
-@pytest.mark.parametrize("common", [0.0, 2.0])
-def test_coefficients_are_as_far_from_the_truth_as_their_errors_say(common):
-    spread = standardised(common).std(axis=0)
-    assert spread == pytest.approx(np.ones(6), abs=0.2)
+    assert np.std(coefficients, axis=0) == pytest.approx(np.ones(6), abs=0.2)
 
 
 def test_copies_of_rows_are_no_more_evidence_than_one():

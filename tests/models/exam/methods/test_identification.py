@@ -9,24 +9,17 @@ from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL, recorded
 
 
-def test_the_error_of_a_mean_is_the_one_of_the_textbook():
+def test_the_error_of_a_mean_is_the_one_of_the_textbook_and_no_smaller_than_the_noise():
     values = 3.0 * np.random.default_rng(0).standard_normal(30)
     rows = np.stack([np.ones(30), values], axis=1)
-    mean, error = jackknife(rows[:, :, None] * rows[:, None, :])
+    grams = rows[:, :, None] * rows[:, None, :]
+    mean, error = jackknife(grams)
     assert mean == pytest.approx([values.mean()])
     assert error == pytest.approx([values.std(ddof=1) / np.sqrt(30)])
-
-
-def test_fully_correlated_samples_are_no_more_evidence_than_one():
-    values = 3.0 * np.random.default_rng(0).standard_normal(30)
-    rows = np.stack([np.ones(30), values], axis=1)
-    alone = rows[:, :, None] * rows[:, None, :]
-    assert jackknife(50 * alone)[1] == pytest.approx(jackknife(alone)[1])
-
-
-def test_errors_are_no_smaller_than_those_of_the_noise():
-    rows = np.stack([np.ones(30), np.full(30, 0.7)], axis=1)
-    assert jackknife(rows[:, :, None] * rows[:, None, :])[1] == pytest.approx([1 / np.sqrt(30)])
+    # Fully correlated samples are no more evidence than one.
+    assert jackknife(50 * grams)[1] == pytest.approx(error)
+    equal = np.array([[1.0, 0.7], [0.7, 0.49]])
+    assert jackknife(np.tile(equal, (30, 1, 1)))[1] == pytest.approx([1 / np.sqrt(30)])
 
 
 def test_of_parallel_columns_the_simulators_own_is_fitted():

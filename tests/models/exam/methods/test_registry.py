@@ -44,12 +44,8 @@ def test_effects_of_the_table_and_of_labels_are_named(method, effect, parameter,
 
 
 @pytest.mark.parametrize("method", WIND)
-def test_nothing_is_named_without_noise_and_without_a_gap(method):
+def test_nothing_is_named_without_a_gap_and_a_withheld_effect_never(method):
     assert METHODS[method](recorded(), NOMINAL, ()).conclusion == "no_gap"
-
-
-@pytest.mark.parametrize("method", WIND)
-def test_a_withheld_effect_is_never_named(method):
     found = METHODS[method](recorded("wind", "x", WIND[method][0]), NOMINAL, ("wind",))
     assert "wind.x" not in {name for cause in found.causes for name in cause.possible}
 

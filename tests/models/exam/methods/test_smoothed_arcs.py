@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rallygap.models.exam.interface import shots_of
-from rallygap.models.exam.methods.smoothed_arcs import SmoothedArcs, arcs_of
+from rallygap.models.exam.methods.smoothed_arcs import SmoothedArcs
 from rallygap.models.exam.simulate.recordings import simulate_trial
 from tests.models.exam.example_trials import NOMINAL, ideal
 
@@ -12,7 +12,7 @@ from tests.models.exam.example_trials import NOMINAL, ideal
 @pytest.fixture(scope="module")
 def truth():
     recordings, truth = simulate_trial(ideal(shots=12, seed=1003, causes={"wind": {"x": 0.2}}))
-    return arcs_of(shots_of(recordings), NOMINAL), truth
+    return SmoothedArcs.of(shots_of(recordings), NOMINAL), truth
 
 
 def test_arcs_lie_between_bounces_and_leave_none_of_them_out(truth):
@@ -26,10 +26,9 @@ def test_arcs_lie_between_bounces_and_leave_none_of_them_out(truth):
 
 
 def test_smoothed_states_are_the_true_ones_although_the_simulator_is_wrong(truth):
-    arcs, truth = truth
-    smoothed = SmoothedArcs.of(arcs, NOMINAL)
+    smoothed, truth = truth
     scale = np.linspace(-1.0, 1.0, 5)
-    for arc, shot in enumerate(arcs.parents):
+    for arc, shot in enumerate(smoothed.parents):
         times = smoothed.times(scale)
         expected = truth.states(np.broadcast_to(times[arc], (12, 5)))[shot]
         error = np.abs(smoothed.smooth(times)[arc] - expected)

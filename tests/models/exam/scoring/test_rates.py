@@ -15,35 +15,25 @@ MINOR = named("drag.cd").model_copy(update={"role": "minor"})
 
 
 @pytest.mark.parametrize(
-    ("given", "expected", "is_solved"),
+    ("truth", "given", "expected", "is_solved"),
     [
-        (answer("named", named("wind.x")), "right", True),
-        (answer("named", named("wind.y")), "ambiguous", False),
-        (answer("named", named("drag.cd")), "wrong", False),
-        (answer("named", named("wind.x"), named("drag.cd")), "wrong", False),
-        (answer("ambiguous", named(possible=("wind.x", "frame_tilt.x"))), "ambiguous", False),
-        (answer("named", named(possible=("wind.x", "wind.z"))), "right", True),
-        (answer("unknown", named("wind.x")), "wrong", False),
-        (answer("no_gap"), "missed", False),
-        (answer(None), "failed", False),
+        (WIND, answer("named", named("wind.x")), "right", True),
+        (WIND, answer("named", named("wind.y")), "ambiguous", False),
+        (WIND, answer("named", named("drag.cd")), "wrong", False),
+        (WIND, answer("named", named("wind.x"), named("drag.cd")), "wrong", False),
+        (WIND, answer("ambiguous", named(possible=("wind.x", "frame_tilt.x"))), "ambiguous", False),
+        (WIND, answer("named", named(possible=("wind.x", "wind.z"))), "right", True),
+        (WIND, answer("unknown", named("wind.x")), "wrong", False),
+        (WIND, answer("no_gap"), "missed", False),
+        (WIND, answer(None), "failed", False),
+        (GRAVITY, answer("named", named("gravity.g")), "right", True),
+        (GRAVITY, answer("ambiguous", named("gravity.g", possible=CLASS)), "ambiguous", True),
+        (GRAVITY, answer("ambiguous", named("buoyancy.b", possible=CLASS)), "ambiguous", True),
+        (GRAVITY, answer("named", named("buoyancy.b")), "wrong", False),
     ],
 )
-def test_a_distinguishable_cause(given, expected, is_solved):
-    asked = record(WIND, answers=given)
-    assert (mark(asked, RALLYGAP), solved(asked, RALLYGAP)) == (expected, is_solved)
-
-
-@pytest.mark.parametrize(
-    ("given", "expected", "is_solved"),
-    [
-        (answer("named", named("gravity.g")), "right", True),
-        (answer("ambiguous", named("gravity.g", possible=CLASS)), "ambiguous", True),
-        (answer("ambiguous", named("buoyancy.b", possible=CLASS[::-1])), "ambiguous", True),
-        (answer("named", named("buoyancy.b")), "wrong", False),
-    ],
-)
-def test_an_indistinguishable_cause(given, expected, is_solved):
-    asked = record(GRAVITY, answers=given)
+def test_a_cause_that_is_distinguishable_or_not(truth, given, expected, is_solved):
+    asked = record(truth, answers=given)
     assert (mark(asked, RALLYGAP), solved(asked, RALLYGAP)) == (expected, is_solved)
 
 
@@ -114,15 +104,6 @@ def test_rates_at_3_detection_limits_are_of_the_base_only():
     found = rates(records, RALLYGAP)
     assert (found["distinguishable"], found["top1_at_3x"]) == (4, 0.75)
     assert (found["indistinguishable"], found["class_at_3x"]) == (1, 1.0)
-
-
-def test_rates_of_nothing_are_none():
-    found = rates([record(WIND, answers={})], RALLYGAP)
-
-    assert found["trials"] == 0
-    names = ("coverage", "false_alarm_upper95", "removable_closed", "false_leading_rate")
-    more = ("leading_at_3x", "exact_at_3x", "coverage_new", "unknown_recall_new")
-    assert all(found[name] is None for name in (*names, *more))
 
 
 def asked(*truth, given, group="distortion", **settings):
@@ -199,29 +180,26 @@ def test_the_leading_cause_has_the_largest_effect(given, leads, exact):
     assert found["leading_at_3x"] == float(leads)
 
 
-def test_a_leading_cause_that_is_not_distinguishable_is_named_by_its_class():
-    given = answer("ambiguous", named("buoyancy.b", possible=("buoyancy.b", "gravity.g")))
-
-    found = rates([asked(GRAVITY, given=given)], RALLYGAP)
-    assert (found["leading_at_3x"], found["exact_at_3x"]) == (1.0, 1.0)
-
-
-def test_faults_of_the_sensor_count_where_the_sensor_has_none():
+def test_faults_of_the_sensor_count_where_it_has_none_and_classes_may_lead():
     given = answer("named", named("wind.x"), SCALE)
 
     assert rates([asked(WIND, given=given, group="several")], RALLYGAP)["exact_right"] == 0
     assert rates([asked(WIND, given=given)], RALLYGAP)["exact_right"] == 1
+    given = answer("ambiguous", named("buoyancy.b", possible=CLASS))
+    found = rates([asked(GRAVITY, given=given)], RALLYGAP)
+    assert (found["leading_at_3x"], found["exact_at_3x"]) == (1.0, 1.0)
 
 
-def test_rates_of_both_kinds_of_groups_do_not_mix():
+def test_rates_of_both_kinds_of_groups_do_not_mix_and_those_of_nothing_are_none():
     given = answer("named", named("wind.x"))
-    old = record(WIND, answers=given)
-    new = asked(WIND, given=given)
-    both, alone = rates([old, new], RALLYGAP), rates([old], RALLYGAP)
+    old, new = record(WIND, answers=given), asked(WIND, given=given)
+    none, alone, both = (rates(records, RALLYGAP) for records in ([], [old], [old, new]))
 
-    later = [name for name in both if both[name] != alone[name]]
-    assert set(later) == {
+    later = {name for name in both if both[name] != alone[name]}
+    assert later == {
         "constant_new", "leading_right", "leading_at_3x", "exact_right", "exact_at_3x",
         "intervals_new", "intervals_new_right", "coverage_new",
     }  # fmt: skip
     assert both["coverage_new"] == 1.0
+    assert {value for value in none.values() if value != 0} == {None}
+    assert none["coverage"] is none["unknown_recall_new"] is none["false_alarm_upper95"] is None

@@ -30,17 +30,13 @@ def label_errors(labels, shots=60, **settings):
     return recordings, truth, found
 
 
-def test_a_shots_labels_have_one_error_and_another_in_the_next_shot():
-    _, _, errors = label_errors(LabelErrors(shot=0.05))
+def test_labels_of_a_shot_or_a_session_have_one_error():
+    _, _, by_shot = label_errors(LabelErrors(shot=0.05))
+    _, _, by_session = label_errors(LabelErrors(session=0.03), shots=10)
 
-    assert max(np.ptp(one, axis=0).max() for one in errors) < 1e-9
-    assert np.std([one[0] for one in errors]) == pytest.approx(0.05, rel=0.2)
-
-
-def test_a_sessions_labels_have_one_error():
-    _, _, errors = label_errors(LabelErrors(session=0.03))
-    everything = np.concatenate(errors)
-
+    assert max(np.ptp(one, axis=0).max() for one in by_shot) < 1e-9
+    assert np.std([one[0] for one in by_shot]) == pytest.approx(0.05, rel=0.2)
+    everything = np.concatenate(by_session)
     assert np.ptp(everything, axis=0).max() < 1e-9
     assert 0.001 < np.abs(everything).max() < 0.12
 
@@ -48,11 +44,9 @@ def test_a_sessions_labels_have_one_error():
 def test_an_arc_repeats_one_label():
     recordings, truth, errors = label_errors(LabelErrors(arc=0.05))
 
-    distinct = [len(np.unique(one.labels, axis=0)) for one in recordings]
-    arcs = [
-        1 + (truth.bounce_times[shot] < one.times[-1]).sum() for shot, one in enumerate(recordings)
-    ]
-    assert distinct == arcs
+    bounces = zip(truth.bounce_times, recordings, strict=True)
+    arcs = [1 + (times < one.times[-1]).sum() for times, one in bounces]
+    assert [len(np.unique(one.labels, axis=0)) for one in recordings] == arcs
     assert np.std([one[0] for one in errors]) == pytest.approx(0.05, rel=0.2)
 
 
@@ -86,37 +80,30 @@ def test_a_gaussian_field_has_its_correlation_length():
     assert (here * there).mean() == pytest.approx(np.exp(-0.5), abs=0.1)
 
 
-def test_heavy_tails_keep_the_standard_deviation():
-    random = np.random.default_rng(0)
-    factors = tail_factors(200_000, 4.0, random)
-    errors = factors * random.standard_normal(len(factors))
-
+def test_heavy_tails_of_positions_and_bounces_keep_the_standard_deviation():
+    factors = tail_factors(200_000, 4.0, np.random.default_rng(0))
+    errors = factors * np.random.default_rng(1).standard_normal(len(factors))
     assert errors.std() == pytest.approx(1.0, rel=0.05)
     assert kurtosis(errors) > 3.0
 
-
-def test_position_errors_and_bounces_have_heavy_tails():
     noise = replace(PERFECT, position_noise=0.003)
-    settings = {"shots": 40, "cameras": noise, "scatter": NO_SCATTER}
-
-    def errors(tails):
-        recordings, truth = simulate_trial(trial(errors=CameraErrors(tails=tails), **settings))
-        paths = [truth.states(one.times)[shot, :, :3] for shot, one in enumerate(recordings)]
-        return np.concatenate(
-            [one.positions - path for one, path in zip(recordings, paths, strict=True)]
+    seen, truth = simulate_trial(
+        trial(shots=40, cameras=noise, scatter=NO_SCATTER, errors=CameraErrors(tails=3.0))
+    )
+    paths = [truth.states(one.times)[shot, :, :3] for shot, one in enumerate(seen)]
+    off = [one.positions - path for one, path in zip(seen, paths, strict=True)]
+    assert kurtosis(np.concatenate(off).ravel()) > 1.5
+    before, after = (
+        np.repeat(states[:1, 0], 3000, axis=0)
+        for states in (truth.shots.contacts.before, truth.shots.contacts.after)
+    )
+    normal, heavy = (
+        kurtosis(
+            scatter.apply(truth.trial.simulator, before, after, np.random.default_rng(0))[:, 5]
         )
-
-    assert kurtosis(errors(None).ravel()) == pytest.approx(0.0, abs=0.3)
-    assert kurtosis(errors(3.0).ravel()) > 1.5
-    _, light = simulate_trial(ideal(shots=10))
-    before = np.repeat(light.shots.contacts.before[:1, 0], 3000, axis=0)
-    after = np.repeat(light.shots.contacts.after[:1, 0], 3000, axis=0)
-    simulator, random = light.trial.simulator, np.random.default_rng(0)
-    speeds = [
-        scatter.apply(simulator, before, after, random)[:, 5]
         for scatter in (BounceScatter(0.01, 0.05), HeavyTailedScatter(0.01, 0.05, 3.0))
-    ]
-    assert kurtosis(speeds[1]) > kurtosis(speeds[0]) + 1.5
+    )
+    assert heavy > normal + 1.5
 
 
 def test_stamps_are_rounded_or_jittered_and_rise():

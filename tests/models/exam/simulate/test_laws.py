@@ -40,19 +40,11 @@ def with_(**constants):
     return PHYSICS._replace(**constants)
 
 
-def test_without_hidden_causes_the_bounce_is_the_printed_law():
-    reference = Reference(cd=0.54)
-    states = incoming()
-
+def test_without_hidden_causes_they_are_the_printed_laws():
+    reference, states = Reference(cd=0.54), incoming()
     expected = np.array([reference.bounce(state) for state in states])
-
     assert bounced(states) == pytest.approx(expected, abs=1e-11)
-
-
-def test_without_hidden_causes_the_flight_is_the_printed_law():
-    reference = Reference(cd=0.54)
-
-    for state in incoming(20):
+    for state in states[:20]:
         assert slope(state) == pytest.approx(reference.derivative(0.0, state), abs=1e-11)
 
 
@@ -95,55 +87,39 @@ def test_friction_acts_against_the_slip_of_each_moment():
     assert after[3] - BALL_RADIUS * after[7] == pytest.approx(slip, abs=1e-4)
 
 
-def test_an_elastic_table_returns_slip_when_the_ball_grips_early():
+def test_an_elastic_table_returns_slip_and_restitution_follows_its_power_law():
     gripping = np.array([[0, 0, BALL_RADIUS, 0.2, 0, -4.0, 0, 0, 0]])
-
     after = bounced(gripping, with_(tangential_elasticity_et=0.4))[0]
-
     assert after[3] - BALL_RADIUS * after[7] == pytest.approx(-0.4 * 0.2, rel=0.01)
 
-
-def test_restitution_follows_its_power_law():
     drops = incoming()
     drops[:, 6:] = 0.0
-
     e = -bounced(drops, with_(speed_dependent_restitution_c=0.02))[:, 5] / drops[:, 5]
-
     law = 0.93 * (-drops[:, 5] / 2.5) ** (-2.5 * 0.02 / 0.93)
     assert e == pytest.approx(np.minimum(law, 1.0))
 
 
-def test_the_wind_dies_out_towards_the_table():
+def test_forces_of_flight_have_their_closed_forms():
     calm = [slope([0, 0, z, 0, -6, 0, 0, 0, 0])[3] for z in (0.02, 0.25)]
     windy = [slope([0, 0, z, 0, -6, 0, 0, 0, 0], with_(wind_x=1.0))[3] for z in (0.02, 0.25)]
-
     pushed = np.subtract(windy, calm)
+    assert 0 < pushed[0] < 0.6 * pushed[1]  # the wind dies out towards the table
 
-    assert 0 < pushed[0] < 0.6 * pushed[1]
-
-
-def test_spin_decays_by_its_torque_law():
-    state = [0, 0, 1, 0, -2.0, 0, 100, 50, -20]
-
-    loss = slope(state, with_(spin_decay_c=0.02))[6:]
-
+    loss = slope([0, 0, 1, 0, -2.0, 0, 100, 50, -20], with_(spin_decay_c=0.02))[6:]
     assert loss == pytest.approx(-0.02 * 4.0 * np.array([100, 50, -20]))
 
+    ball = [0, 0, 1, 0, -8.0, 0, 0, 0, 0]
+    aside = (slope(ball, with_(side_force_cy=0.1)) - slope(ball))[3:6]
+    assert aside == pytest.approx([-0.27925 * 0.1 * 64, 0, 0], rel=1e-4)  # it does no work
 
-def test_the_side_force_points_to_the_right_and_does_no_work():
-    push = (
-        slope([0, 0, 1, 0, -8.0, 0, 0, 0, 0], with_(side_force_cy=0.1))[3:6]
-        - slope([0, 0, 1, 0, -8.0, 0, 0, 0, 0])[3:6]
-    )
-
-    assert push == pytest.approx([-0.27925 * 0.1 * 64, 0, 0], rel=1e-4)
-
-
-def test_tilted_gravity_keeps_its_size():
-    pull = slope([0, 0, 1, 0, 0, 0, 0, 0, 0], with_(frame_tilt_x=0.1, frame_tilt_y=-0.05))[3:6]
-
+    still = [0, 0, 1, 0, 0, 0, 0, 0, 0]
+    pull = slope(still, with_(frame_tilt_x=0.1, frame_tilt_y=-0.05))[3:6]
     assert np.linalg.norm(pull) == pytest.approx(9.81)
     assert pull[:2] == pytest.approx([9.81 * np.sin(0.1), -9.81 * np.sin(0.05)])
+
+    air = 1.2 * 4 / 3 * np.pi * BALL_RADIUS**3 / BALL_MASS  # displaced
+    assert slope(still, with_(buoyancy_b=1.0))[5] == pytest.approx(-9.81 * (1 - air))
+    assert slope(still, with_(added_mass_c=1.0))[5] == pytest.approx(-9.81 / (1 + air / 2))
 
 
 def test_lift_saturates_and_breaks_down_only_where_it_should():
@@ -164,11 +140,3 @@ def test_effects_without_an_independent_form_are_refused():
         physics_of(NOMINAL.amended("net", restitution=0.2))
     with pytest.raises(ValueError, match="table_bounce"):
         physics_of(Simulator.from_dict({"gravity": {"g": 9.81}}))
-
-
-def test_buoyancy_and_added_mass_are_those_of_displaced_air():
-    air = 1.2 * 4 / 3 * np.pi * BALL_RADIUS**3 / BALL_MASS
-    still = [0, 0, 1, 0, 0, 0, 0, 0, 0]
-
-    assert slope(still, with_(buoyancy_b=1.0))[5] == pytest.approx(-9.81 * (1 - air))
-    assert slope(still, with_(added_mass_c=1.0))[5] == pytest.approx(-9.81 / (1 + air / 2))

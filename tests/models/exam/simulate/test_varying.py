@@ -35,28 +35,24 @@ def test_balls_differ_around_the_nominal_value_within_bounds():
 
 
 @pytest.mark.parametrize("dynamics", ["catalogue", "independent"])
-def test_every_shot_follows_its_own_law(dynamics):
-    variation = Variation("drift", WIND)
+def test_every_shot_follows_its_own_law_by_its_own_clock(dynamics):
     settings = {"shots": 5, "dynamics": dynamics, "seed": 3}
     drifting, truth = simulate_trial(
-        ideal(causes={"wind": {"x": 2.0}}, variation=variation, **settings)
+        ideal(causes={"wind": {"x": 2.0}}, variation=Variation("drift", WIND), **settings)
     )
     still, _ = simulate_trial(ideal(**settings))
-
     last = truth.states(drifting[4].times)[4, :, :3]
     assert drifting[4].positions == pytest.approx(last, abs=1e-9)
     apart = [np.abs(a.positions - b.positions).max() for a, b in zip(drifting, still, strict=True)]
     assert apart[0] < 1e-6
     assert apart[4] > apart[1] > 0.01
 
-
-def test_the_clock_of_every_shot_is_its_own():
-    clock = Hypothesis("clock_rate", "d")
-    settings = {"causes": {"clock_rate": {"d": 0.01}}, "shots": 3}
-    recordings, truth = simulate_trial(ideal(variation=Variation("drift", clock), **settings))
-
-    path = truth.states(recordings[2].times / 1.02)[2, :, :3]
-    assert recordings[2].positions == pytest.approx(path, abs=1e-6)
+    clock, causes = Hypothesis("clock_rate", "d"), {"clock_rate": {"d": 0.01}}
+    slowing, truth = simulate_trial(
+        ideal(causes=causes, variation=Variation("drift", clock), **settings)
+    )
+    path = truth.states(slowing[4].times / 1.02)[4, :, :3]
+    assert slowing[4].positions == pytest.approx(path, abs=1e-6)
 
 
 def test_without_a_difference_half_rooms_are_the_whole_room():

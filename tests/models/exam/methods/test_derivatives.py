@@ -1,10 +1,10 @@
-"""The library, against the equations of motion written by hand."""
+"""The library of regression terms, against the equations of motion written by hand."""
 
 import numpy as np
 import pytest
 
 from rallygap.models.ball.state import DRAG_FACTOR, MAGNUS_FACTOR, SPIN, VELOCITY
-from rallygap.models.exam.methods.library import library, rates
+from rallygap.models.exam.methods.derivatives import library, rates
 from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL
 
@@ -24,17 +24,12 @@ def test_rates_are_those_of_the_equations_of_motion():
     assert rates(FREE, STATES)[0] == pytest.approx(expected, abs=1e-3)
 
 
-def test_a_coefficient_changes_the_acceleration_by_its_force():
+def test_parameters_change_rates_by_their_forces():
     assert term("drag", "cd")[:3] == pytest.approx(DRAG / 0.54, rel=1e-3)
     assert term("gravity", "g")[:3] == pytest.approx([0.0, 0.0, -1.0], abs=1e-4)
-
-
-def test_a_decay_changes_the_spin_alone():
-    expected = np.concatenate([np.zeros(3), -np.linalg.norm(V) * W])
-    assert term("spin_decay", "c") == pytest.approx(expected, rel=1e-3, abs=1e-2)
-
-
-def test_labels_that_read_high_look_like_too_little_lift():
+    decay = np.concatenate([np.zeros(3), -np.linalg.norm(V) * W])
+    assert term("spin_decay", "c") == pytest.approx(decay, rel=1e-3, abs=1e-2)
+    # Labels that read high look like too little lift.
     assert term("spin_gain", "s")[:3] == pytest.approx(-LIFT, rel=1e-3)
 
 
