@@ -91,14 +91,7 @@ class MujocoScene:
         return replace(self, model=model)
 
     def fly(self, states: Floats, times: Floats) -> Floats:
-        """Fly balls.
-
-        Args:
-            states: (B, 9) at time zero, in the table frame.
-            times: (T,) s, rising, the first one zero or later.
-
-        Returns:
-            (B, T, 9) states.
+        """Fly balls, as ``Engine`` does.
 
         Raises:
             EngineError: the simulation diverges; names the ball and the time.

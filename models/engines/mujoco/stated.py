@@ -51,8 +51,7 @@ def stated_effects(scene: MujocoScene) -> Effects:
 def gravity(model: mujoco.MjModel, frame: TableFrame) -> Floats:
     """Return the (3,) acceleration of free fall in the table frame, m/s^2."""
     off = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
-    pull: Floats = np.zeros(3) if off else model.opt.gravity @ frame.axes
-    return pull
+    return np.zeros(3) if off else model.opt.gravity @ frame.axes
 
 
 def _effect(name: str, parameters: Iterable[str], values: Iterable[float]) -> Effects:

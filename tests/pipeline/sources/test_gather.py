@@ -43,9 +43,9 @@ def read_rows(tmp_path, *rows):
     ],
 )
 def test_an_impossible_row_is_refused_and_the_rest_kept(tmp_path, row, reason):
-    gathered = read_rows(tmp_path, GOOD[0], GOOD[1], row, GOOD[2])
+    gathered = read_rows(tmp_path, GOOD[0], "", GOOD[1], row, "  ", GOOD[2])
     record = gathered.manifest.sources["csv"]
-    assert record.rows_refused[reason].model_dump() == {"count": 1, "rows": {"session.csv": [4]}}
+    assert record.rows_refused[reason].model_dump() == {"count": 1, "rows": {"session.csv": [5]}}
     assert list(record.rows_refused) == [reason]
     assert (record.rows_read, record.rows_kept) == (4, 3)
     assert gathered.recordings["t"].tolist() == [0.0, 0.01, 0.02]
@@ -60,15 +60,11 @@ def test_after_a_step_back_only_later_samples_count(tmp_path):
     assert refused["time repeated"].rows == {"session.csv": [7]}
 
 
-def test_blank_lines_are_no_rows(tmp_path):
-    record = read_rows(tmp_path, GOOD[0], "", "  ", GOOD[1]).manifest.sources["csv"]
-    assert (record.rows_read, record.rows_kept) == (2, 2)
-
-
 def test_one_sample_is_no_recording(tmp_path):
     write_csv(tmp_path, "broken_off.csv", rows=[HEADER, GOOD[0]])
-    gathered = read_rows(tmp_path, *GOOD)
-    record = gathered.manifest.sources["csv"]
+    with pytest.raises(InputError, match="csv: no recording has more than one sample"):
+        read(tmp_path, "csv")
+    record = read_rows(tmp_path, *GOOD).manifest.sources["csv"]
     assert record.recordings == 1
     assert record.rows_refused["the only sample of its recording"].rows == {"broken_off.csv": [2]}
 
@@ -88,11 +84,6 @@ def test_a_file_without_a_usable_row_is_one_error(tmp_path, rows, problem):
     path.write_text("\n".join(rows))
     with pytest.raises(InputError, match=rf"session\.csv.*{problem}"):
         read(tmp_path, "csv")
-
-
-def test_a_source_of_single_samples_is_one_error(tmp_path):
-    with pytest.raises(InputError, match="csv: no recording has more than one sample"):
-        read_rows(tmp_path, GOOD[0])
 
 
 @pytest.mark.parametrize("source", WRITERS)

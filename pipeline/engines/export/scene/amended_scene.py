@@ -122,13 +122,9 @@ def _about(file: SceneFile, scene: MujocoScene, amendments: Sequence[Amendment])
 def unsupported(
     scene: MujocoScene, before: Simulator, after: Simulator, shots: VerificationShots
 ) -> Iterator[str]:
-    """Yield what a list changes and no attribute states, with its cost, in sentences.
+    """Yield what a list changes and no attribute of an amended scene states, in sentences.
 
-    Args:
-        scene: amended.
-        before: what the scene did.
-        after: what it is to do.
-        shots: over which a cost is the largest distance.
+    The cost of an effect is the largest distance over the shots.
     """
     for effect in after.effects:
         if effect in STATED or catalogue()[effect].acts == "sensor":

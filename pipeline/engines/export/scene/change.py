@@ -81,8 +81,7 @@ class Change:
 
 def numbers_of(model: mujoco.MjModel, element: Element, attribute: str) -> Floats:
     """Return the numbers of a contact's attribute, ``solref`` or ``friction``, in a model."""
-    numbers: Floats = getattr(model, f"{element.kind}_{attribute}")[element.index]
-    return numbers
+    return getattr(model, f"{element.kind}_{attribute}")[element.index]
 
 
 def _text(values: Floats) -> str:

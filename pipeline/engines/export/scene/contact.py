@@ -63,11 +63,8 @@ def friction_changes(scene: MujocoScene, simulator: Simulator) -> list[Change]:
 def restitution_changes(scene: MujocoScene, simulator: Simulator) -> list[Change]:
     """Return the changes with which balls leave the table as fast as with a list; none if they do.
 
-    The stiffness remains, unless a ball sinks in deeper than ``DEEPEST``.
-
-    Args:
-        scene: whose flight is that of the list.
-        simulator: the list.
+    The stiffness remains, unless a ball sinks in deeper than ``DEEPEST``. The scene's flight is
+    that of the list already.
 
     Raises:
         InputError: neither the pair nor the geoms of ball and table make the contact.

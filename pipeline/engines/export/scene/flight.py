@@ -62,16 +62,11 @@ def differs(before: float, after: float) -> bool:
 
 
 def flight_changes(scene: MujocoScene, before: Simulator, after: Simulator) -> list[Change]:
-    """Return the changes of ``<option>`` and of the ball's geom for the flight of a list.
+    """Return the changes of ``<option>`` and of the ball's geom with which a scene flies as a list.
 
-    What a list does not change keeps its attribute, even if the scene does something else than the
-    attribute states, because of its time step. Numbers of the air come together, because each needs
-    air of some density, in which wind blows.
-
-    Args:
-        scene: as it is.
-        before: what the scene does.
-        after: what it is to do.
+    What is the same ``before`` and ``after`` keeps its attribute, even if the scene does something
+    else than the attribute states, because of its time step. Numbers of the air come together,
+    because each needs air of some density, in which wind blows.
 
     Raises:
         InputError: a flag switches gravity or the air off, or the air acts on other geoms, too.

@@ -96,14 +96,13 @@ def distances(engine: Engine, other: Engine, states: Floats, time: float) -> Flo
     """
     times = np.array([time])
     apart = (engine.fly(states, times) - other.fly(states, times))[:, 0, POSITION]
-    sizes: Floats = MM * np.linalg.norm(apart, axis=-1)
-    return sizes
+    return MM * np.linalg.norm(apart, axis=-1)
 
 
 def agreement(
     engine: Engine, simulator: Simulator, shots: VerificationShots, step: float, bounces: bool
 ) -> Agreement:
-    """Fly the shots in an engine and with a list of effects.
+    """Fly the shots of a list of effects in an engine and with the list.
 
     Args:
         engine: to be verified.
@@ -128,11 +127,7 @@ def scene_sentences(
 ) -> Iterator[str]:
     """Yield how far a scene is from a list of effects, and which time step brings it near.
 
-    Args:
-        scene: to be verified.
-        simulator: the list.
-        shots: of this list.
-        name: of the scene's file.
+    Sentences call the scene by the ``name`` of its file; the shots are those of the list.
 
     Raises:
         EngineError: the scene fails at its own time step.

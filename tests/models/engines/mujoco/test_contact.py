@@ -12,6 +12,7 @@ from tests.models.engines.mujoco.scenes import SHELL, TABLE, scene
 STEP = 5e-5
 HARD = 'solref="-1000000 -47" solimp=".98 .98 .001"'
 GENTLE = "0 -200"  # solreffriction
+SHIFTS = (-1e-6, -1e-10, 0.0, 1e-10, 1e-6)  # of a damping ratio, above all of a critical one
 
 
 def contact_of(geom="", option="", table=TABLE, rest=""):
@@ -49,8 +50,8 @@ def bounced(one, velocity, spin=(0.0, 0.0, 0.0)):
     [(0.0, 1.0), (0.0235, 0.930), (0.5, 0.298), (1.0, math.exp(-2.0)), (5.0, 0.0097)],
 )
 def test_restitution_of_a_spring_and_a_damper(damping_ratio, expected):
-    around = [restitution(damping_ratio + shift) for shift in (0.0, 1e-10, 1e-6)]
-    assert around == pytest.approx([expected] * 3, abs=5e-4)
+    around = [restitution(damping_ratio + shift) for shift in SHIFTS]
+    assert around == pytest.approx([expected] * len(SHIFTS), abs=5e-4)
     assert around == sorted(around, reverse=True)
 
 
