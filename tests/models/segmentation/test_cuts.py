@@ -29,7 +29,7 @@ def contacts(pairs):
 
 @pytest.fixture(scope="module")
 def pairs():
-    return cut_rallies(12, 0)
+    return cut_rallies(30, 0)
 
 
 @pytest.mark.parametrize("kind", ["racket", "table"])
