@@ -7,8 +7,8 @@ from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
 from rallygap.pipeline.segmentation.cut_recordings import (
     count_samples,
     draw_recordings,
+    write_episodes,
 )
-from rallygap.pipeline.segmentation.episode_tables import write_episodes
 
 
 def segment(run: StageRun) -> None:

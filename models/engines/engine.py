@@ -79,9 +79,7 @@ class FunctionEngine:
         except Exception as error:  # of whatever kind: the code is the user's
             problem = f"raises {type(error).__name__}: {error}"
             raise EngineError(f"{self.name} {problem}") from error
-        return self._checked(returned, (len(states), len(times), STATE_SIZE))
-
-    def _checked(self, returned: object, shape: tuple[int, int, int]) -> Floats:
+        shape = (len(states), len(times), STATE_SIZE)
         try:
             flown = np.asarray(returned, dtype=np.float64)
         except (TypeError, ValueError):

@@ -48,9 +48,14 @@ class Contact:
                 return "table"
             if self.position[2] < FLOOR_HEIGHT:
                 return "floor"
-        if self._is_struck():
+        low = self.position[2] < NET_HEIGHT + 2 * BALL_RADIUS
+        at_net = low and abs(self.position[1]) < NET_TOLERANCE
+        # A ball reverses along the table, away from the net, or gains speed only at a racket.
+        turns = self.before[1] * self.after[1] < 0 and abs(self.after[1]) > SPEED_ERROR
+        gain = float(np.linalg.norm(self.after) - np.linalg.norm(self.before))
+        if (turns and not at_net) or gain > SPEED_ERROR:
             return "racket"
-        return "net" if self._is_at_net() else "unknown"
+        return "net" if at_net else "unknown"
 
     @property
     def is_grazing(self) -> bool:
@@ -70,16 +75,6 @@ class Contact:
             and upwards < downwards + SPEED_ERROR
             and along < FRICTION * change[2] + SPEED_ERROR
         )
-
-    def _is_struck(self) -> bool:
-        """Whether the ball reverses along the table, or gains speed: only a racket does this."""
-        turns = self.before[1] * self.after[1] < 0 and abs(self.after[1]) > SPEED_ERROR
-        gain = float(np.linalg.norm(self.after) - np.linalg.norm(self.before))
-        return bool(turns and not self._is_at_net()) or gain > SPEED_ERROR
-
-    def _is_at_net(self) -> bool:
-        low = self.position[2] < NET_HEIGHT + 2 * BALL_RADIUS
-        return bool(low and abs(self.position[1]) < NET_TOLERANCE)
 
 
 def closest_approach(

@@ -82,20 +82,18 @@ def _arcs(t: Floats, x: Floats, settings: SegmentSettings) -> list[_Arc]:
     return arcs
 
 
-def _contact(t: Floats, before: _Arc, after: _Arc) -> Contact:
-    # The sample next to a contact fits either arc: the contact may lie half a sample beyond it.
-    earliest = 0.5 * (t[before.last - 1] + t[before.last])
-    latest = 0.5 * (t[after.first] + t[after.first + 1])
-    ends = (before.means[-1], t[before.last]), (after.means[0], t[after.first])
-    return closest_approach(*ends, earliest, latest)
-
-
 def _assign(
     cuts: Cuts, t: Floats, offset: int, arcs: list[_Arc], settings: SegmentSettings
 ) -> None:
     """Assign consecutive samples, the first of them number ``offset``, to the flights of arcs."""
     flight = cuts.flights
-    contacts = [_contact(t, *pair) for pair in pairwise(arcs)]
+    contacts: list[Contact] = []
+    for before, after in pairwise(arcs):
+        # The sample next to a contact fits either arc: it may lie half a sample beyond it.
+        earliest = 0.5 * (t[before.last - 1] + t[before.last])
+        latest = 0.5 * (t[after.first] + t[after.first + 1])
+        ends = (before.means[-1], t[before.last]), (after.means[0], t[after.first])
+        contacts.append(closest_approach(*ends, earliest, latest))
     owner = np.searchsorted([contact.time for contact in contacts], t, side="right")
     for number, arc in enumerate(arcs):
         if number and _is_contact(contacts[number - 1], settings):

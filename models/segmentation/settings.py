@@ -2,16 +2,14 @@
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 Episodes = Annotated[int, Field(ge=0, le=1_000_000)]
 Share = Annotated[float, Field(gt=0, lt=1)]
 
 
-class ReplaySettings(BaseModel):
+class ReplaySettings(BaseModel, extra="forbid", frozen=True):
     """Number of shots towards the robot that are reserved for replaying them to it."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     stroke_pro: Episodes = 200
     """Strokes of professionals."""
@@ -21,10 +19,8 @@ class ReplaySettings(BaseModel):
     """Serves of all these."""
 
 
-class SplitSettings(BaseModel):
+class SplitSettings(BaseModel, extra="forbid", frozen=True, allow_inf_nan=False):
     """How recordings are assigned to training, validation, test and replay."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     test_episodes: Episodes = 500
     """Shots for testing, of each source that has enough, its groups in proportion."""
@@ -36,13 +32,11 @@ class SplitSettings(BaseModel):
     """Share of the remaining recordings for validation; the rest is for training."""
 
 
-class SegmentSettings(BaseModel):
+class SegmentSettings(BaseModel, extra="forbid", frozen=True, allow_inf_nan=False):
     """How recordings are cut into flights and episodes.
 
     Costs are in nats (log-likelihood), relative to a sample exactly at its prediction.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     noise: Annotated[float, Field(ge=1e-4, le=0.05)] = 0.003
     """Standard deviation (m) of a coordinate, slowly varying errors along a path included."""
@@ -65,10 +59,8 @@ class SegmentSettings(BaseModel):
         return self.unbroken_ratio * 3**0.5 * self.noise
 
 
-class ScoringSettings(BaseModel):
+class ScoringSettings(BaseModel, extra="forbid", frozen=True, allow_inf_nan=False):
     """When a contact counts as detected, and when as observable."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     tolerance: Annotated[float, Field(gt=0, le=0.1)] = 0.005
     """Maximum time (s) between a true contact and the detected one."""

@@ -8,7 +8,6 @@ A shot is an unbroken episode whose ball reaches the table; tests and replays co
 """
 
 import hashlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,14 +45,11 @@ def split(
         seed: of the ranks.
     """
     shots = _shots(episodes, contacts)
-    assignment = _Assignment(_recordings(shots, seed), settings)
-    for replay_set, (kind, groups) in REPLAY_SETS.items():
-        assignment.assign_replay(replay_set, groups, kind)
-    assignment.assign_test()
-    assignment.assign_validation()
-    shots["split"] = shots["recording_id"].map(assignment.split)
-    shots["rank"] = assignment.recordings.index.get_indexer(pd.Index(shots["recording_id"]))
-    return Split(shots["split"], _replay_sets(shots, settings), assignment.shortages)
+    recordings = _recordings(shots, seed)
+    splits, shortages = _assignment(recordings, settings)
+    shots["split"] = shots["recording_id"].map(splits)
+    shots["rank"] = recordings.index.get_indexer(pd.Index(shots["recording_id"]))
+    return Split(shots["split"], _replay_sets(shots, settings), shortages)
 
 
 def recording_groups(ids: "pd.Series[str]") -> "pd.Series[str]":
@@ -61,47 +57,41 @@ def recording_groups(ids: "pd.Series[str]") -> "pd.Series[str]":
     return ids.str.replace(r"^[^/]*/(?:(.*)/)?[^/]*$", r"\1", regex=True)
 
 
-class _Assignment:
-    """Recordings by rank, and the splits that they are assigned to."""
+def _assignment(
+    recordings: pd.DataFrame, settings: SplitSettings
+) -> tuple["pd.Series[str]", list[str]]:
+    """Return the split of every recording, and messages on sets with too few shots."""
+    splits = pd.Series("train", index=recordings.index, dtype="str")
+    shortages = []
 
-    def __init__(self, recordings: pd.DataFrame, settings: SplitSettings) -> None:
-        self.recordings, self.settings = recordings, settings
-        self.split = pd.Series("train", index=recordings.index, dtype="str")
-        self.shortages: list[str] = []
-
-    def assign_replay(self, replay_set: str, groups: Sequence[str], kind: str) -> None:
-        members = self.recordings["group"].isin(groups)
-        wanted = getattr(self.settings.replay, replay_set)
-        # Recordings that are reserved for one set also count for the next.
-        kept = self.recordings.loc[members & (self.split == "replay"), kind].sum()
-        reserved = kept + self._assign("replay", members, kind, wanted - kept)
-        if members.any() and reserved < wanted:
-            self.shortages.append(f"{replay_set} has {reserved} of {wanted} episodes to replay")
-
-    def assign_test(self) -> None:
-        for source, members in self.recordings.groupby("source", sort=True):
-            wanted, total = self.settings.test_episodes, members["shot"].sum()
-            assigned = 0
-            for group, of_group in members.groupby("group", sort=True):
-                quota = int(np.ceil(wanted * of_group["shot"].sum() / max(total, 1)))
-                here = (self.recordings["source"] == source) & (self.recordings["group"] == group)
-                assigned += self._assign("test", here, "shot", quota)
-            if assigned < wanted:
-                self.shortages.append(f"{source} has {assigned} of {wanted} shots to test on")
-
-    def assign_validation(self) -> None:
-        remaining = self.recordings[self.split == "train"]
-        for _, members in remaining.groupby(["source", "group"], sort=True):
-            number = round(self.settings.validation_share * len(members))
-            self.split[members.index[:number]] = "validation"
-
-    def _assign(self, name: str, members: "pd.Series[bool]", kind: str, wanted: int) -> int:
+    def assign(name: str, members: "pd.Series[bool]", kind: str, wanted: int) -> int:
         """Assign recordings to a split until it has enough; return their number of a kind."""
-        free = self.recordings.loc[members & (self.split == "train"), kind]
+        free = recordings.loc[members & (splits == "train"), kind]
         enough = int(np.searchsorted(free.cumsum(), wanted)) + 1 if wanted > 0 else 0
-        taken = free[: min(enough, int(self.settings.largest_share * members.sum()))]
-        self.split[taken.index] = name
+        taken = free[: min(enough, int(settings.largest_share * members.sum()))]
+        splits[taken.index] = name
         return int(taken.sum())
+
+    for replay_set, (kind, groups) in REPLAY_SETS.items():
+        members, wanted = recordings["group"].isin(groups), getattr(settings.replay, replay_set)
+        # Recordings that are reserved for one set also count for the next.
+        kept = recordings.loc[members & (splits == "replay"), kind].sum()
+        reserved = kept + assign("replay", members, kind, wanted - kept)
+        if members.any() and reserved < wanted:
+            shortages.append(f"{replay_set} has {reserved} of {wanted} episodes to replay")
+    wanted = settings.test_episodes
+    for source, of_source in recordings.groupby("source", sort=True):
+        total, assigned = of_source["shot"].sum(), 0
+        for group, of_group in of_source.groupby("group", sort=True):
+            quota = int(np.ceil(wanted * of_group["shot"].sum() / max(total, 1)))
+            here = (recordings["source"] == source) & (recordings["group"] == group)
+            assigned += assign("test", here, "shot", quota)
+        if assigned < wanted:
+            shortages.append(f"{source} has {assigned} of {wanted} shots to test on")
+    remaining = recordings[splits == "train"]
+    for _, of_group in remaining.groupby(["source", "group"], sort=True):
+        splits[of_group.index[: round(settings.validation_share * len(of_group))]] = "validation"
+    return splits, shortages
 
 
 def _shots(episodes: pd.DataFrame, contacts: pd.DataFrame) -> pd.DataFrame:

@@ -1,13 +1,14 @@
 """Segmentation of a table of recordings into tables of samples, contacts and episodes."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
-from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.ball.types import Floats
 from rallygap.models.segmentation.contacts import Contact
 from rallygap.models.segmentation.cuts import Cuts, cut
 from rallygap.models.segmentation.episodes import Episode, episodes
@@ -43,6 +44,10 @@ EPISODE_TYPES: dict[str, Any] = {
     "unbroken": bool,
 }
 
+# Labels of a sample; an array, since recordings are many and short.
+LABELS = np.dtype([
+    ("episode", int), ("arc", int), ("velocity", float, 3), ("outlier", bool), ("residual", float),
+])  # fmt: skip
 NO_EPISODE = -1
 
 
@@ -55,29 +60,6 @@ class Segmented:
     episodes: pd.DataFrame
 
 
-class _Labels:
-    """Labels of n samples; arrays, since recordings are many and short."""
-
-    def __init__(self, n: int) -> None:
-        self.episode = np.full(n, NO_EPISODE)
-        self.arc = np.zeros(n, dtype=np.int64)
-        self.velocity = np.full((n, 3), np.nan)
-        self.outlier = np.zeros(n, dtype=bool)
-        self.residual = np.full(n, np.nan)
-
-    def assign(self, rows: Integers, cuts: Cuts, joined: list[Episode], first: int) -> None:
-        """Assign a recording's samples; its episodes are numbered from ``first`` on."""
-        # One more entry for the samples without a flight: their index -1 is the last entry.
-        numbers = np.full(cuts.flights + 1, NO_EPISODE)
-        arcs = np.zeros(cuts.flights + 1, dtype=np.int64)
-        for number, episode in enumerate(joined, start=first):
-            numbers[episode.flights] = number
-            arcs[episode.flights] = range(len(episode.flights))
-        self.episode[rows], self.arc[rows] = numbers[cuts.flight], arcs[cuts.flight]
-        self.velocity[rows], self.outlier[rows] = cuts.velocity, cuts.outlier
-        self.residual[rows] = cuts.residual
-
-
 def segment_recordings(
     recordings: pd.DataFrame, starts_with_launch: Callable[[str], bool], settings: SegmentSettings
 ) -> Segmented:
@@ -88,15 +70,18 @@ def segment_recordings(
         starts_with_launch: whether the recording with this id is one shot from its launch on.
         settings: noise, costs and limits.
     """
-    labels = _Labels(len(recordings))
+    labels = np.empty(len(recordings), LABELS)
     contact_rows: list[Row] = []
     episode_rows: list[Row] = []
     t, positions = recordings["t"].to_numpy(), recordings[POSITION].to_numpy()
-    for recording_id, rows in _rows_by_recording(recordings):
+    codes, ids = pd.factorize(recordings["recording_id"])
+    order = np.argsort(codes, kind="stable")
+    bounds = np.flatnonzero(np.diff(codes[order])) + 1
+    for recording_id, rows in zip(map(str, ids), np.split(order, bounds), strict=True):
         cuts = cut(t[rows], positions[rows], settings)
         launched = starts_with_launch(recording_id)
         joined = list(episodes(cuts, "launch" if launched else "recording"))
-        labels.assign(rows, cuts, joined, len(episode_rows))
+        labels[rows] = _labels(cuts, joined, len(episode_rows))
         for number, episode in enumerate(joined):
             name = {"recording_id": recording_id, "episode_id": f"{recording_id}/{number:02d}"}
             contact_rows.extend(name | _contact(contact) for contact in episode.contacts)
@@ -106,11 +91,19 @@ def segment_recordings(
     return Segmented(_samples(recordings, labels, table["episode_id"]), contacts, table)
 
 
-def _rows_by_recording(recordings: pd.DataFrame) -> Iterator[tuple[str, Integers]]:
-    codes, ids = pd.factorize(recordings["recording_id"])
-    order = np.argsort(codes, kind="stable")
-    bounds = np.flatnonzero(np.diff(codes[order])) + 1
-    return zip(map(str, ids), np.split(order, bounds), strict=True)
+def _labels(cuts: Cuts, joined: list[Episode], first: int) -> NDArray[np.void]:
+    """Return the labels of a recording's samples; its episodes are numbered from ``first`` on."""
+    # One more entry for the samples without a flight: their index -1 is the last entry.
+    numbers = np.full(cuts.flights + 1, NO_EPISODE)
+    arcs = np.zeros(cuts.flights + 1, dtype=np.int64)
+    for number, episode in enumerate(joined, start=first):
+        numbers[episode.flights] = number
+        arcs[episode.flights] = range(len(episode.flights))
+    labels = np.empty(len(cuts.flight), LABELS)
+    labels["episode"], labels["arc"] = numbers[cuts.flight], arcs[cuts.flight]
+    labels["velocity"], labels["outlier"] = cuts.velocity, cuts.outlier
+    labels["residual"] = cuts.residual
+    return labels
 
 
 def _contact(contact: Contact) -> Row:
@@ -129,14 +122,14 @@ def _episode(episode: Episode) -> Row:
 
 
 def _with_sample_columns(
-    rows: list[Row], labels: _Labels, t: Floats, settings: SegmentSettings
+    rows: list[Row], labels: NDArray[np.void], t: Floats, settings: SegmentSettings
 ) -> pd.DataFrame:
     """Add what the samples give: times of ends without a contact, counts and residuals."""
     table = pd.DataFrame(rows, columns=list(EPISODE_TYPES))
-    square = np.where(labels.outlier, np.nan, labels.residual) ** 2
-    samples = pd.DataFrame({"t": t, "outlier": labels.outlier, "square": square})
-    inside = labels.episode != NO_EPISODE
-    grouped = samples[inside].groupby(labels.episode[inside])
+    square = np.where(labels["outlier"], np.nan, labels["residual"]) ** 2
+    samples = pd.DataFrame({"t": t, "outlier": labels["outlier"], "square": square})
+    inside = labels["episode"] != NO_EPISODE
+    grouped = samples[inside].groupby(labels["episode"][inside])
     table["source"] = table["recording_id"].str.split("/").str[0]
     table["start"] = table["start"].fillna(grouped["t"].first())
     table["end"] = table["end"].fillna(grouped["t"].last())
@@ -146,11 +139,13 @@ def _with_sample_columns(
     return table.astype(EPISODE_TYPES)
 
 
-def _samples(recordings: pd.DataFrame, labels: _Labels, ids: "pd.Series[str]") -> pd.DataFrame:
+def _samples(
+    recordings: pd.DataFrame, labels: NDArray[np.void], ids: "pd.Series[str]"
+) -> pd.DataFrame:
     """Return the samples that are in an episode, with their labels."""
-    inside = labels.episode != NO_EPISODE
+    inside = labels["episode"] != NO_EPISODE
     samples = recordings[inside].reset_index(drop=True)
-    samples["episode_id"] = ids.take(labels.episode[inside]).set_axis(samples.index)
-    samples["arc"], samples["outlier"] = labels.arc[inside], labels.outlier[inside]
-    samples[VELOCITY] = labels.velocity[inside]
+    samples["episode_id"] = ids.take(labels["episode"][inside]).set_axis(samples.index)
+    samples["arc"], samples["outlier"] = labels["arc"][inside], labels["outlier"][inside]
+    samples[VELOCITY] = labels["velocity"][inside]
     return samples[SAMPLE_COLUMNS]

@@ -45,7 +45,11 @@ def audited(
         made = audit(engine, progress, patience)
     except EngineError as error:
         raise InputError(engine.name, str(error).removeprefix(f"{engine.name} ")) from None
-    return replace(made, simulator=_rounded(made.simulator))
+    rounded = {
+        name: {key: float(f"{value:.6g}") for key, value in values.items()}
+        for name, values in made.simulator.to_dict().items()
+    }
+    return replace(made, simulator=Simulator.from_dict(rounded))
 
 
 def cached_audit(engine: Engine, progress: Callable[[float], None] = lambda share: None) -> Audit:
@@ -76,15 +80,6 @@ def cached_audit(engine: Engine, progress: Callable[[float], None] = lambda shar
     return made
 
 
-def _digest(content: bytes) -> str:
-    """Return a digest of a scene, of the code that audits it and of MuJoCo's version."""
-    digest = hashlib.sha256(version("mujoco").encode() + content + Path(__file__).read_bytes())
-    models = Path(engine_module.__file__).parents[1]
-    for path in sorted([*models.rglob("*.py"), *models.rglob("*.yaml")]):
-        digest.update(path.relative_to(models).as_posix().encode() + path.read_bytes())
-    return digest.hexdigest()
-
-
 def effects_of(name: str, say: Callable[[str], None]) -> Simulator:
     """Return a simulator as a list of effects; one that is none is audited first.
 
@@ -104,9 +99,10 @@ def effects_of(name: str, say: Callable[[str], None]) -> Simulator:
     return made.simulator
 
 
-def _rounded(simulator: Simulator) -> Simulator:
-    rounded = {
-        name: {key: float(f"{value:.6g}") for key, value in values.items()}
-        for name, values in simulator.to_dict().items()
-    }
-    return Simulator.from_dict(rounded)
+def _digest(content: bytes) -> str:
+    """Return a digest of a scene, of the code that audits it and of MuJoCo's version."""
+    digest = hashlib.sha256(version("mujoco").encode() + content + Path(__file__).read_bytes())
+    models = Path(engine_module.__file__).parents[1]
+    for path in sorted([*models.rglob("*.py"), *models.rglob("*.yaml")]):
+        digest.update(path.relative_to(models).as_posix().encode() + path.read_bytes())
+    return digest.hexdigest()

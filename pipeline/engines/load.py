@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rallygap.models.engines.engine import EffectsEngine, Engine, EngineError, FunctionEngine
 from rallygap.models.support.suggestion import suggestion
@@ -33,7 +33,12 @@ def load_engine(name: str) -> Engine:
         return load_scene(name)
     if names_function(name):
         place, _, function = name.rpartition(":")
-        return FunctionEngine(name, _function(name, _module(place), function))
+        module = _module(place)
+        member = getattr(module, function, None)
+        if not callable(member):
+            known = [own for own in vars(module) if not own.startswith("_")]
+            raise InputError(name, f"has no function {function!r}; {suggestion(function, known)}")
+        return FunctionEngine(name, member)
     return EffectsEngine(name, load_simulator(name))
 
 
@@ -91,31 +96,18 @@ def names_function(name: str) -> bool:
     return bool(place) and function.isidentifier()
 
 
-def _function(name: str, module: ModuleType, function: str) -> Any:
-    member = getattr(module, function, None)
-    if not callable(member):
-        known = [own for own in vars(module) if not own.startswith("_")]
-        raise InputError(name, f"has no function {function!r}; {suggestion(function, known)}")
-    return member
-
-
 def _module(place: str) -> ModuleType:
     """Import a module by its file or by its name; modules of the working directory are found."""
     try:
-        return module_of_file(Path(place)) if place.endswith(".py") else _of_name(place)
+        if place.endswith(".py"):
+            return module_of_file(Path(place))
+        with _found_in(Path.cwd()):
+            return importlib.import_module(place)
     except InputError:
         raise
     except Exception as error:  # of whatever kind: the code is the user's
         problem = f"cannot be imported: {type(error).__name__}: {error}"
         raise InputError(place, problem) from error
-
-
-def _of_name(name: str) -> ModuleType:
-    sys.path.insert(0, str(Path.cwd()))
-    try:
-        return importlib.import_module(name)
-    finally:
-        sys.path.pop(0)
 
 
 def module_of_file(path: Path) -> ModuleType:
@@ -129,9 +121,16 @@ def module_of_file(path: Path) -> ModuleType:
     described = importlib.util.spec_from_file_location(path.stem, path)
     assert described is not None and described.loader is not None  # its name ends with .py
     module = importlib.util.module_from_spec(described)
-    sys.path.insert(0, str(path.resolve().parent))  # it may import its neighbours
-    try:
+    with _found_in(path.resolve().parent):
         described.loader.exec_module(module)
+    return module
+
+
+@contextmanager
+def _found_in(folder: Path) -> Iterator[None]:
+    """Let modules of a folder be imported."""
+    sys.path.insert(0, str(folder))
+    try:
+        yield
     finally:
         sys.path.pop(0)
-    return module

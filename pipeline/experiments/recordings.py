@@ -6,7 +6,7 @@ from rallygap.models.arena.truth import Truth
 from rallygap.pipeline.evaluation.predictors import ARENA
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.params import Params
-from rallygap.pipeline.segmentation.episode_tables import write_episodes
+from rallygap.pipeline.segmentation.cut_recordings import write_episodes
 from rallygap.pipeline.sources.gather import gather
 
 

@@ -1,6 +1,5 @@
 """Precision and recall of the contacts that segmentation detects in simulated recordings."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -51,18 +50,9 @@ def score_test_recordings(
 
 def contacts_table(scored: Scored) -> pd.DataFrame:
     """Return precision and recall of each kind of contact, by players' level and for all levels."""
-    return pd.DataFrame(_rows(scored), columns=COLUMNS)
-
-
-def contact_metrics(table: pd.DataFrame) -> dict[str, Any]:
-    """Return the recall of each kind, over all levels."""
-    overall = table[table["level"] == ALL].set_index("kind")["recall"]
-    return {str(kind): {"recall": round(recall, 4)} for kind, recall in overall.dropna().items()}
-
-
-def _rows(scored: Scored) -> Iterator[dict[str, Any]]:
     groups = recording_groups(scored.true["recording_id"])
     false_groups = recording_groups(scored.false["recording_id"])
+    rows = []
     for kind in SCORED_KINDS:
         true, false = scored.true["kind"] == kind, scored.false["kind"] == kind
         for level in [*sorted(groups[true].unique()), ALL]:
@@ -70,7 +60,14 @@ def _rows(scored: Scored) -> Iterator[dict[str, Any]]:
             false_positives = false & ((false_groups == level) | (level == ALL))
             if of_level.any():
                 row = _row(scored.true[of_level], int(false_positives.sum()))
-                yield {"kind": kind, "level": level, **row}
+                rows.append({"kind": kind, "level": level, **row})
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def contact_metrics(table: pd.DataFrame) -> dict[str, Any]:
+    """Return the recall of each kind, over all levels."""
+    overall = table[table["level"] == ALL].set_index("kind")["recall"]
+    return {str(kind): {"recall": round(recall, 4)} for kind, recall in overall.dropna().items()}
 
 
 def _row(contacts: pd.DataFrame, false_positives: int) -> dict[str, Any]:

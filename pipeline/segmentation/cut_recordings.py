@@ -1,32 +1,57 @@
-"""Cutting the table of recordings, one row group at a time."""
+"""From the table of recordings, one row group at a time, to those of episodes and splits."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from rallygap.models.segmentation.settings import SegmentSettings
-from rallygap.models.segmentation.split import recording_groups
+from rallygap.models.segmentation.split import recording_groups, split
 from rallygap.models.segmentation.tables import Segmented, segment_recordings
-from rallygap.pipeline.io.artifacts import open_table, read_row_groups, table_writer
-from rallygap.pipeline.io.schemas import RECORDINGS, SAMPLES, check_columns, checked, empty
-from rallygap.pipeline.io.source_manifest import Manifest
+from rallygap.pipeline.io.artifacts import open_table, read_row_groups, table_writer, write_table
+from rallygap.pipeline.io.schemas import (
+    CONTACTS,
+    EPISODES,
+    RECORDINGS,
+    SAMPLES,
+    check_columns,
+    checked,
+    empty,
+)
+from rallygap.pipeline.io.source_manifest import Manifest, read_manifest
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.parallel import parallel
 
 DRAWN_RECORDINGS = 20  # of each source
 
 
-@dataclass(frozen=True)
-class CutRecordings:
-    """Recordings and what they are cut into."""
+class CutRecordings(NamedTuple):
+    """Recordings and what they are cut into.
 
-    measured: pd.DataFrame  # measured samples of the recordings to draw
-    segmented: Segmented  # all contacts and episodes, and the samples of the recordings to draw
-    gaps: "pd.Series[str]"  # the recording of every gap
+    Attributes:
+        measured: samples of the recordings to draw, as measured.
+        segmented: all contacts and episodes, and the samples of the recordings to draw.
+    """
+
+    measured: pd.DataFrame
+    segmented: Segmented
+
+
+class EpisodeTables(NamedTuple):
+    """What recordings are cut into.
+
+    Attributes:
+        cut: recordings and contacts.
+        episodes: all of them, with their splits.
+        shortages: sentences about splits that are smaller than asked for.
+    """
+
+    cut: CutRecordings
+    episodes: pd.DataFrame
+    shortages: Sequence[str]
 
 
 def count_samples(path: Path) -> "pd.Series[int]":
@@ -59,6 +84,32 @@ def draw_recordings(samples: "pd.Series[int]", seed: int) -> dict[str, list[str]
     }
 
 
+def write_episodes(
+    artifacts: Path, settings: SegmentSettings, seed: int, drawn: Sequence[str] = ()
+) -> EpisodeTables:
+    """Cut all recordings, assign them to splits, and write ``artifacts/segment``.
+
+    Args:
+        artifacts: the folder of all stages' artefacts, with those of ``ingest``.
+        settings: of the segmentation.
+        seed: of the splits.
+        drawn: ids of the recordings whose samples are returned.
+
+    Raises:
+        InputError: the recordings are missing or break their data contract.
+    """
+    read, written = artifacts / "ingest", artifacts / "segment"
+    manifest = read_manifest(read / "manifest.json")
+    tables = read / "recordings.parquet", written / "samples.parquet"
+    cut = cut_recordings(*tables, manifest, settings, drawn)
+    contacts, episodes = cut.segmented.contacts, cut.segmented.episodes
+    splits = split(episodes, contacts, settings.split, seed)
+    episodes = episodes.assign(split=splits.split, replay_set=splits.replay_set)
+    write_table(written / "contacts.parquet", checked(contacts, CONTACTS))
+    write_table(written / "episodes.parquet", checked(episodes, EPISODES))
+    return EpisodeTables(cut, episodes, splits.shortages)
+
+
 def cut_recordings(
     recordings: Path,
     samples: Path,
@@ -81,7 +132,7 @@ def cut_recordings(
     with open_table(recordings) as opened:
         numbers = range(opened.num_row_groups)
     tasks = [partial(_cut, recordings, number, manifest, settings, drawn) for number in numbers]
-    measured, kept, contacts, episodes, gaps = [], [], [], [], []
+    measured, kept, contacts, episodes = [], [], [], []
     with table_writer(samples, empty(SAMPLES)) as write:
         for cut in parallel(tasks, "parts of the recordings"):
             table = cut.segmented.samples
@@ -90,9 +141,8 @@ def cut_recordings(
             kept.append(table[table["recording_id"].isin(drawn)])
             contacts.append(cut.segmented.contacts)
             episodes.append(cut.segmented.episodes)
-            gaps.append(cut.gaps)
     parts = (pd.concat(tables, ignore_index=True) for tables in (kept, contacts, episodes))
-    return CutRecordings(pd.concat(measured), Segmented(*parts), pd.concat(gaps))
+    return CutRecordings(pd.concat(measured), Segmented(*parts))
 
 
 def _cut(
@@ -104,6 +154,4 @@ def _cut(
     recordings = checked(recordings, RECORDINGS, path)
     segmented = segment_recordings(recordings, manifest.starts_with_launch, settings)
     checked(segmented.samples, SAMPLES)
-    ids = recordings["recording_id"]
-    gaps = ids[(recordings["t"].diff() > settings.longest_gap) & (ids == ids.shift())]
-    return CutRecordings(recordings[ids.isin(drawn)], segmented, gaps)
+    return CutRecordings(recordings[recordings["recording_id"].isin(drawn)], segmented)

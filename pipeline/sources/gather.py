@@ -1,6 +1,6 @@
 """From the content of the sources to the tables of recordings and their manifest."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from pandera.pandas import DataFrameSchema
 
 from rallygap.pipeline.io.artifacts import table_writer
 from rallygap.pipeline.io.schemas import LAUNCHES, POINTS, RECORDINGS, TRUE_CONTACTS, checked, empty
@@ -58,10 +57,14 @@ def gather(settings: IngestSettings, seed: int, folder: Path) -> Gathered:
     folders: dict[str, Path] = {}
     truth = None
     with ExitStack() as stack:
-        add = {
-            name: _writer(stack, folder / f"{name}.parquet", schema)
+        writers = {
+            name: stack.enter_context(table_writer(folder / f"{name}.parquet", empty(schema)))
             for name, schema in TABLES.items()
         }
+
+        def add(table: str, rows: pd.DataFrame) -> None:
+            writers[table](checked(rows, TABLES[table]))
+
         for listed in settings.sources:
             data = find_source(listed).read(context)
             name = data.description.name
@@ -71,22 +74,14 @@ def gather(settings: IngestSettings, seed: int, folder: Path) -> Gathered:
             imported = SourceImport(data)
             table = "launches" if imported.is_launches else "recordings"
             for batch in in_batches(data.tables):
-                add[table](imported.rows(batch))
+                add(table, imported.rows(batch))
                 for extra in EXTRA_TABLES:
-                    add[extra](_extra_rows(batch, extra, name))
+                    add(extra, _extra_rows(batch, extra, name))
             records[name] = imported.record()
             if imported.folder is not None:
                 folders[name] = imported.folder
             truth = data.truth or truth
     return Gathered(Manifest(sources=records), folders, truth)
-
-
-def _writer(
-    stack: ExitStack, path: Path, schema: DataFrameSchema
-) -> Callable[[pd.DataFrame], None]:
-    """Return a function that adds rows to a table if they keep its schema."""
-    add = stack.enter_context(table_writer(path, empty(schema)))
-    return lambda rows: add(checked(rows, schema))
 
 
 def _extra_rows(batch: Sequence[RawTable], table: str, source: str) -> pd.DataFrame:

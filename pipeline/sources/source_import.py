@@ -51,15 +51,17 @@ def in_batches(tables: Iterable[RawTable]) -> Iterator[list[RawTable]]:
 
 
 class RowChecks:
-    """Rows and labels of some tables, of which checks refuse the impossible ones.
+    """Rows and labels of some tables, of which the impossible ones are refused.
 
     Attributes:
-        rows: not refused so far, of all tables in their order; column ``table`` is the number of
+        rows: in the table frame, of all tables in their order; column ``table`` is the number of
             the table.
         refusals: by checks and by the reader.
     """
 
-    def __init__(self, tables: Sequence[RawTable], columns: list[str]) -> None:
+    def __init__(self, tables: Sequence[RawTable], frame: Frame, *, launches: bool) -> None:
+        """Transform recordings or launches into the table frame, and check them."""
+        columns = LAUNCH_COLUMNS if launches else SAMPLE_COLUMNS
         self._places = [table.place for table in tables]
         self.refusals = [refusal for table in tables for refusal in table.refusals]
         rows = pd.concat([table.rows for table in tables], ignore_index=True)
@@ -67,8 +69,33 @@ class RowChecks:
         self.rows = rows.reindex(columns=["row", *columns]).astype(numbers)
         lengths = [len(table.rows) for table in tables]
         self.rows.insert(0, "table", np.repeat(np.arange(len(tables)), lengths))
+        needed = [*POSITION_COLUMNS, *VELOCITY_COLUMNS] if launches else ["t", *POSITION_COLUMNS]
+        finite = np.isfinite(self.rows[needed].to_numpy(dtype=float)).all(axis=1)
+        self._refuse("not a number", pd.Series(~finite, index=self.rows.index))
+        known = self.rows[SPIN_COLUMNS].notna()
+        self._refuse("spin incomplete", known.any(axis=1) & ~known.all(axis=1), "label")
+        too_fast = self._longer(SPIN_COLUMNS, FASTEST_SPIN)
+        self._refuse(f"spin above {FASTEST_SPIN:g} rad/s", too_fast, "label")
+        self.rows = frame.to_table(self.rows)
+        far = (self.rows[POSITION_COLUMNS].abs() > FARTHEST_POSITION).any(axis=1)
+        self._refuse(f"farther than {FARTHEST_POSITION:g} m", far)
+        if launches:
+            too_fast = self._longer(VELOCITY_COLUMNS, FASTEST_BALL)
+            self._refuse(f"faster than {FASTEST_BALL:g} m/s", too_fast)
+            self._refuse("id repeated", self.rows.duplicated(["table", "id"]))
+        else:
+            self._check_times()
 
-    def refuse(
+    def _check_times(self) -> None:
+        """Refuse samples that are not later than every previous one of their recording."""
+        latest = self.rows.groupby("table")["t"].cummax()
+        step = self.rows["t"] - latest.groupby(self.rows["table"]).shift()
+        self._refuse("time backwards", step < 0)
+        self._refuse("time repeated", step[self.rows.index] < SHORTEST_STEP)
+        samples = self.rows.groupby("table")["t"].transform("size")
+        self._refuse(ONLY_SAMPLE, samples == 1)
+
+    def _refuse(
         self, reason: str, at_fault: "pd.Series[bool]", what: Literal["row", "label"] = "row"
     ) -> None:
         """Remove rows, or the spin of rows."""
@@ -80,39 +107,11 @@ class RowChecks:
         else:
             self.rows.loc[at_fault, SPIN_COLUMNS] = np.nan
 
-    def longer(self, columns: list[str], limit: float) -> "pd.Series[bool]":
+    def _longer(self, columns: list[str], limit: float) -> "pd.Series[bool]":
         """Return the rows in which the vector in ``columns`` is longer than ``limit``."""
         with np.errstate(over="ignore"):  # an overflow is too long, too
             length = np.linalg.norm(self.rows[columns].to_numpy(dtype=float), axis=1)
         return pd.Series(length > limit, index=self.rows.index)
-
-
-def check_rows(tables: Sequence[RawTable], frame: Frame, *, launches: bool) -> RowChecks:
-    """Transform recordings or launches into the table frame; refuse impossible rows and labels."""
-    checks = RowChecks(tables, LAUNCH_COLUMNS if launches else SAMPLE_COLUMNS)
-    needed = [*POSITION_COLUMNS, *VELOCITY_COLUMNS] if launches else ["t", *POSITION_COLUMNS]
-    finite = np.isfinite(checks.rows[needed].to_numpy(dtype=float)).all(axis=1)
-    checks.refuse("not a number", pd.Series(~finite, index=checks.rows.index))
-    known = checks.rows[SPIN_COLUMNS].notna()
-    checks.refuse("spin incomplete", known.any(axis=1) & ~known.all(axis=1), "label")
-    too_fast = checks.longer(SPIN_COLUMNS, FASTEST_SPIN)
-    checks.refuse(f"spin above {FASTEST_SPIN:g} rad/s", too_fast, "label")
-    checks.rows = frame.to_table(checks.rows)
-    far = (checks.rows[POSITION_COLUMNS].abs() > FARTHEST_POSITION).any(axis=1)
-    checks.refuse(f"farther than {FARTHEST_POSITION:g} m", far)
-    if launches:
-        too_fast = checks.longer(VELOCITY_COLUMNS, FASTEST_BALL)
-        checks.refuse(f"faster than {FASTEST_BALL:g} m/s", too_fast)
-        checks.refuse("id repeated", checks.rows.duplicated(["table", "id"]))
-        return checks
-    # A sample must be later than every previous one of its recording.
-    latest = checks.rows.groupby("table")["t"].cummax()
-    step = checks.rows["t"] - latest.groupby(checks.rows["table"]).shift()
-    checks.refuse("time backwards", step < 0)
-    checks.refuse("time repeated", step[checks.rows.index] < SHORTEST_STEP)
-    samples = checks.rows.groupby("table")["t"].transform("size")
-    checks.refuse(ONLY_SAMPLE, samples == 1)
-    return checks
 
 
 class SourceImport:
@@ -149,7 +148,7 @@ class SourceImport:
                 problem = f"there is another recording {table.name}"
                 raise InputError(where, problem, field=table.part or None)
             self._names.add(table.name)
-        checks = check_rows(batch, self._description.frame, launches=self.is_launches)
+        checks = RowChecks(batch, self._description.frame, launches=self.is_launches)
         self._count(batch, checks)
         names = [f"{self._description.name}/{table.name}" for table in batch]
         ids = pd.Series(names, dtype="str").take(checks.rows["table"].to_numpy())

@@ -100,7 +100,12 @@ def table_contact(model: mujoco.MjModel, ball: Ball, frame: TableFrame) -> Conta
     """
     if not frame.found:
         return None
-    data = _touching(model, ball, frame)
+    state = np.zeros(STATE_SIZE)
+    state[:3] = 0.0, -PLACE * frame.length / 2.0, ball.radius - OVERLAP
+    data = initial_data(model)
+    data.qpos[ball.position : ball.position + 3] = frame.to_world(state)[:3]
+    with collected_warnings():  # of a mixed solref, which is noted
+        mujoco.mj_fwdPosition(model, data)
     for touch in data.contact[: data.ncon]:
         if ball.geom in touch.geom and set(touch.geom.tolist()) & set(frame.geoms):
             contact = _contact(model, touch)
@@ -108,19 +113,7 @@ def table_contact(model: mujoco.MjModel, ball: Ball, frame: TableFrame) -> Conta
     return None
 
 
-def _touching(model: mujoco.MjModel, ball: Ball, frame: TableFrame) -> mujoco.MjData:
-    """Return a scene whose ball lies on the table, with its contacts."""
-    state = np.zeros(STATE_SIZE)
-    state[:3] = 0.0, -PLACE * frame.length / 2.0, ball.radius - OVERLAP
-    data = initial_data(model)
-    data.qpos[ball.position : ball.position + 3] = frame.to_world(state)[:3]
-    with collected_warnings():  # of a mixed solref, which is noted
-        mujoco.mj_fwdPosition(model, data)
-    return data
-
-
 def _contact(model: mujoco.MjModel, touch: mujoco.MjContact) -> Contact:
-    raised = _raised(model, touch.solref)
     stiffness, damping = _spring(model, touch.solref)
     elliptic = model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
     own = elliptic and touch.solreffriction.any()  # MuJoCo's rule
@@ -136,7 +129,7 @@ def _contact(model: mujoco.MjModel, touch: mujoco.MjContact) -> Contact:
         lift=float(touch.includemargin),
         default=tuple(touch.solref.tolist()) == DEFAULT_SOLREF,
         mixed=_is_mixed(touch.solref),
-        raised=raised,
+        raised=_raised(model, touch.solref),
     )
 
 

@@ -73,31 +73,17 @@ class _Plate:
     axes: Floats
     half: Floats
 
-    def corners(self) -> Floats:
-        signs = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
-        return self.centre + (signs * self.half) @ self.axes[:, :2].T
-
-    def area(self) -> float:
-        return 4.0 * float(np.prod(self.half))
-
 
 def find_frame(model: mujoco.MjModel, ball: Ball) -> TableFrame:
     """Find the table in a scene at its start; without one, the world's frame is the table frame.
 
     Of several tables, the highest is taken.
     """
-    frames = [
-        frame
-        for plates in _surfaces(_plates(model, ball))
-        if (frame := _frame(plates, up_axis(model))) is not None
-    ]
-    return max(frames, key=lambda frame: float(frame.origin @ up_axis(model)), default=WORLD)
-
-
-def up_axis(model: mujoco.MjModel) -> Floats:
-    """Return the (3,) direction against gravity; z where there is none."""
     size = float(np.linalg.norm(model.opt.gravity))
-    return np.array([0.0, 0.0, 1.0]) if size == 0.0 else -model.opt.gravity / size
+    up = np.array([0.0, 0.0, 1.0]) if size == 0.0 else -model.opt.gravity / size
+    plates = list(_plates(model, ball, up))
+    frames = [frame for surface in _surfaces(plates) if (frame := _frame(surface)) is not None]
+    return max(frames, key=lambda frame: float(frame.origin @ up), default=WORLD)
 
 
 def _turned(states: Floats, axes: Floats) -> Floats:
@@ -107,25 +93,19 @@ def _turned(states: Floats, axes: Floats) -> Floats:
     return turned
 
 
-def _plates(model: mujoco.MjModel, ball: Ball) -> list[_Plate]:
+def _plates(model: mujoco.MjModel, ball: Ball, up: Floats) -> Iterator[_Plate]:
+    """Yield the most upward sides of boxes that the ball can collide with, where they are level."""
     data = initial_data(model)
-    boxes = np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_BOX)
-    plates = [
-        _plate(model, data, int(box), up_axis(model))
-        for box in boxes
-        if _meets(model, ball.geom, int(box))
-    ]
-    return [plate for plate in plates if plate.axes[:, 2] @ up_axis(model) > LEVEL]
-
-
-def _plate(model: mujoco.MjModel, data: mujoco.MjData, box: int, up: Floats) -> _Plate:
-    """Return the side of a box that is turned most upwards."""
-    axes, half = data.geom_xmat[box].reshape(3, 3), model.geom_size[box]
-    vertical = int(np.argmax(np.abs(up @ axes)))
-    edges = [axis for axis in range(3) if axis != vertical]
-    normal = axes[:, vertical] * np.sign(up @ axes[:, vertical])
-    centre = data.geom_xpos[box] + half[vertical] * normal
-    return _Plate(box, centre, np.column_stack([axes[:, edges], normal]), half[edges])
+    for box in np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_BOX).tolist():
+        if not _meets(model, ball.geom, box):
+            continue
+        axes, half = data.geom_xmat[box].reshape(3, 3), model.geom_size[box]
+        vertical = int(np.argmax(np.abs(up @ axes)))
+        edges = [axis for axis in range(3) if axis != vertical]
+        normal = axes[:, vertical] * np.sign(up @ axes[:, vertical])
+        if normal @ up > LEVEL:
+            centre = data.geom_xpos[box] + half[vertical] * normal
+            yield _Plate(box, centre, np.column_stack([axes[:, edges], normal]), half[edges])
 
 
 def _surfaces(plates: list[_Plate]) -> Iterator[list[_Plate]]:
@@ -141,34 +121,27 @@ def _continues(plate: _Plate, other: _Plate) -> bool:
     return bool(along[2, 2] > PARALLEL and along[0, :2].max() > PARALLEL and height < COPLANAR)
 
 
-def _frame(plates: list[_Plate], up: Floats) -> TableFrame | None:
+def _frame(plates: list[_Plate]) -> TableFrame | None:
     """Return the frame of a surface; None if it is no table."""
     first = plates[0]
-    spots = np.concatenate([plate.corners() for plate in plates]) - first.centre
-    flat = spots @ first.axes[:, :2]
+    signs = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
+    corners = [plate.centre + (signs * plate.half) @ plate.axes[:, :2].T for plate in plates]
+    flat = (np.concatenate(corners) - first.centre) @ first.axes[:, :2]
     low, high = flat.min(axis=0), flat.max(axis=0)
     sides = high - low
-    covered = sum(plate.area() for plate in plates) / float(np.prod(sides))
     long, short = (0, 1) if sides[0] >= sides[1] else (1, 0)
-    if covered < COVERED or not _is_table(sides[long], sides[short]):
+    length, width = float(sides[long]), float(sides[short])
+    covered = sum(4.0 * float(np.prod(plate.half)) for plate in plates) / float(np.prod(sides))
+    relative = np.array([length / (2 * TABLE_HALF_LENGTH), width / (2 * TABLE_HALF_WIDTH)])
+    if covered < COVERED or np.abs(relative - 1.0).max() >= SIZE_TOLERANCE:
         return None
     origin = first.centre + first.axes[:, :2] @ ((low + high) / 2)
-    axes = _axes(first.axes[:, long], first.axes[:, 2])
-    geoms = tuple(plate.geom for plate in plates)
-    return TableFrame(origin, axes, geoms, float(sides[long]), float(sides[short]))
-
-
-def _is_table(length: float, width: float) -> bool:
-    sides = np.array([length / (2 * TABLE_HALF_LENGTH), width / (2 * TABLE_HALF_WIDTH)])
-    return bool(np.abs(sides - 1.0).max() < SIZE_TOLERANCE)
-
-
-def _axes(long: Floats, normal: Floats) -> Floats:
-    """Return the frame's axes as columns."""
+    along, normal = first.axes[:, long], first.axes[:, 2]
     # Rounded, so that an axis midway between two of the world's has one direction.
-    nearest = int(np.argmax(np.round(np.abs(long), 6)))
-    y = long * np.sign(long[nearest])
-    return np.column_stack([np.cross(y, normal), y, normal])
+    nearest = int(np.argmax(np.round(np.abs(along), 6)))
+    y = along * np.sign(along[nearest])
+    axes = np.column_stack([np.cross(y, normal), y, normal])
+    return TableFrame(origin, axes, tuple(plate.geom for plate in plates), length, width)
 
 
 def _meets(model: mujoco.MjModel, geom: int, other: int) -> bool:

@@ -15,16 +15,15 @@ from rallygap.models.ball.state import (
     TABLE_HALF_LENGTH,
     TABLE_HALF_WIDTH,
 )
-from rallygap.models.engines.mujoco.air import Air, air_of, has_air, is_sphere, shaped_geoms
-from rallygap.models.engines.mujoco.ball import Ball
+from rallygap.models.engines.mujoco.air import air_of, has_air, is_sphere, shaped_geoms
+from rallygap.models.engines.mujoco.ball import SHELL, SOLID, Ball, has_inertia
 from rallygap.models.engines.mujoco.contact import Contact, table_contact
 from rallygap.models.engines.mujoco.frame import TableFrame
 from rallygap.models.engines.mujoco.scene import MujocoScene
 from rallygap.models.engines.mujoco.stated import gravity, stated_effects
 
 PLAUSIBLE_DRAG = 0.7  # no ball has a larger coefficient
-SHELL, SOLID = 2.0 / 3.0, 2.0 / 5.0  # moments of inertia over m r^2
-SAME = 0.01  # relative, of an inertia or a mass
+SAME = 0.01  # relative, of a mass
 SAME_DENSITY = 0.005  # relative
 SAME_RADIUS = 1e-4  # m
 TYPICAL_SPIN = 300.0  # rad/s
@@ -45,8 +44,17 @@ def scene_notes(scene: MujocoScene) -> Iterator[str]:
     Notes begin in lower case and have no full stop.
     """
     model, ball, frame = scene.model, scene.ball, scene.frame
-    yield from _flight_notes(model, ball, frame)
-    yield from _table_notes(model, frame, table_contact(model, ball, frame))
+    yield from _air_notes(model, ball)
+    yield from _ball_notes(model, ball)
+    yield from _joint_notes(model, ball)
+    yield from _step_notes(model, frame)
+    yield from _place_notes(frame)
+    contact = table_contact(model, ball, frame)
+    if contact is not None:
+        yield from _contact_notes(model, contact)
+        yield from _friction_notes(contact)
+    elif frame.found:
+        yield "nothing pushes the ball off the table"
     for effect, values in stated_effects(scene).items():
         for parameter in catalogue()[effect].parameters:
             value, (low, high) = values[parameter.name], parameter.bounds
@@ -55,32 +63,18 @@ def scene_notes(scene: MujocoScene) -> Iterator[str]:
                 yield f"{effect}.{parameter.name} {problem}"
 
 
-def _flight_notes(model: mujoco.MjModel, ball: Ball, frame: TableFrame) -> Iterator[str]:
-    """Yield notes on air, gravity, the ball's body and the integrator."""
-    if has_air(model):
-        air = air_of(model, ball)
-        yield from _force_notes(model, ball, air)
-        yield from _spin_notes(model, ball, air)
-        odd = [geom for geom in shaped_geoms(model, ball) if not is_sphere(model, geom)]
-        if odd:
-            yield (
-                "the air also acts on geoms of the ball that are no spheres; they are left out here"
-            )
-    else:
+def _air_notes(model: mujoco.MjModel, ball: Ball) -> Iterator[str]:
+    if not has_air(model):
         yield (
             "density and viscosity are 0, or passive forces are off: the ball flies in a vacuum, "
             "whatever fluidcoef says"
         )
         if model.opt.wind.any():
             yield "wind has no effect, because there is no air"
-    yield from _body_notes(ball)
-    yield from _inertia_notes(model, ball)
-    yield from _joint_notes(model, ball)
-    yield from _step_notes(model, frame)
-
-
-def _force_notes(model: mujoco.MjModel, ball: Ball, air: Air) -> Iterator[str]:
+        return
+    air, inertia = air_of(model, ball), float(model.body_inertia[ball.body].mean())
     drag, lift = air.drag / ball.mass / DRAG_FACTOR, air.lift / ball.mass / MAGNUS_FACTOR
+    quadratic, viscous = air.spin_drag * TYPICAL_SPIN / inertia, air.viscous_spin_drag / inertia
     if abs(model.opt.density / AIR_DENSITY - 1.0) > SAME_DENSITY:
         yield (
             f"the density of the air is {model.opt.density:g} kg/m^3; coefficients of drag and "
@@ -98,11 +92,6 @@ def _force_notes(model: mujoco.MjModel, ball: Ball, air: Air) -> Iterator[str]:
             f"lift is inverse, C_M {lift:.3f}: the fifth number of fluidcoef is C_M + 0.5, because "
             "MuJoCo's added mass takes 0.5 away"
         )
-
-
-def _spin_notes(model: mujoco.MjModel, ball: Ball, air: Air) -> Iterator[str]:
-    inertia = float(model.body_inertia[ball.body].mean())
-    quadratic, viscous = air.spin_drag * TYPICAL_SPIN / inertia, air.viscous_spin_drag / inertia
     if quadratic > VISIBLE_LOSS:
         yield (
             f"the air slows a spin of {TYPICAL_SPIN:g} rad/s by {quadratic:.2g} of it per second, "
@@ -110,9 +99,11 @@ def _spin_notes(model: mujoco.MjModel, ball: Ball, air: Air) -> Iterator[str]:
         )
     if viscous > VISIBLE_LOSS:
         yield f"viscosity slows spin by {viscous:.2g} of it per second; no effect here does that"
+    if any(not is_sphere(model, geom) for geom in shaped_geoms(model, ball)):
+        yield "the air also acts on geoms of the ball that are no spheres; they are left out here"
 
 
-def _body_notes(ball: Ball) -> Iterator[str]:
+def _ball_notes(model: mujoco.MjModel, ball: Ball) -> Iterator[str]:
     if abs(ball.mass / BALL_MASS - 1.0) > SAME:
         yield (
             f"the ball weighs {1000 * ball.mass:.3g} g, not {1000 * BALL_MASS:g}; coefficients of "
@@ -124,18 +115,13 @@ def _body_notes(ball: Ball) -> Iterator[str]:
             "coefficients of drag and lift are given here for the latter, and slip at the table "
             "differs with the same spin"
         )
-
-
-def _inertia_notes(model: mujoco.MjModel, ball: Ball) -> Iterator[str]:
-    share = model.body_inertia[ball.body] / (ball.mass * ball.radius**2)
-    if np.allclose(share, SHELL, rtol=SAME):
-        return
-    if np.allclose(share, SOLID, rtol=SAME):
+    if has_inertia(model, ball, SOLID):
         yield (
             "the ball is solid, as spheres are without shellinertia: at the table it takes at most "
             "2/7 of the slip instead of 2/5, and its spin changes by 5/3 of a shell's"
         )
-    else:
+    elif not has_inertia(model, ball, SHELL):
+        share = model.body_inertia[ball.body] / (ball.mass * ball.radius**2)
         values = ", ".join(f"{value:.3g}" for value in share)
         yield (
             f"the ball's moments of inertia are {values} m r^2; a shell has 2/3, a solid ball 2/5"
@@ -171,20 +157,6 @@ def _step_notes(model: mujoco.MjModel, frame: TableFrame) -> Iterator[str]:
         )
 
 
-def _table_notes(
-    model: mujoco.MjModel, frame: TableFrame, contact: Contact | None
-) -> Iterator[str]:
-    """Yield notes on the table and on the contact with it."""
-    yield from _place_notes(frame)
-    if contact is not None:
-        yield from _solref_notes(model, contact)
-        yield from _stiffness_notes(model, contact)
-        yield from _grip_notes(contact)
-        yield from _cone_notes(contact)
-    elif frame.found:
-        yield "nothing pushes the ball off the table"
-
-
 def _place_notes(frame: TableFrame) -> Iterator[str]:
     if not frame.found:
         yield (
@@ -197,7 +169,7 @@ def _place_notes(frame: TableFrame) -> Iterator[str]:
         yield f"the table is {frame.length:.3f} x {frame.width:.3f} m, not 2.74 x 1.525"
 
 
-def _solref_notes(model: mujoco.MjModel, contact: Contact) -> Iterator[str]:
+def _contact_notes(model: mujoco.MjModel, contact: Contact) -> Iterator[str]:
     if contact.mixed:
         yield (
             "the numbers of solref differ in sign, so MuJoCo takes its default: restitution "
@@ -213,9 +185,6 @@ def _solref_notes(model: mujoco.MjModel, contact: Contact) -> Iterator[str]:
             "the time constant in solref is shorter than two time steps, so MuJoCo raises it to "
             f"{2 * model.opt.timestep:g} s"
         )
-
-
-def _stiffness_notes(model: mujoco.MjModel, contact: Contact) -> Iterator[str]:
     steps, depth = contact.duration / model.opt.timestep, contact.depth(TYPICAL_SPEED)
     if steps < FEWEST_STEPS:
         yield (
@@ -230,20 +199,16 @@ def _stiffness_notes(model: mujoco.MjModel, contact: Contact) -> Iterator[str]:
         )
 
 
-def _grip_notes(contact: Contact) -> Iterator[str]:
-    if contact.friction[0] == 0.0:
-        return
-    if contact.grip < FULL_GRIP:
+def _friction_notes(contact: Contact) -> Iterator[str]:
+    has_friction = contact.friction[0] > 0.0
+    if has_friction and contact.grip < FULL_GRIP:
         yield (
             f"a bounce ends {100 * contact.grip:.0f} % of the slip at most, whatever the friction: "
             "slip is damped as solref says, or as the solreffriction of a pair with an elliptic "
             "cone"
         )
-    if contact.elliptic and contact.slip_damping * contact.duration > HASTE:
+    if has_friction and contact.elliptic and contact.slip_damping * contact.duration > HASTE:
         yield "friction that ends slip this fast also takes restitution while the ball slides"
-
-
-def _cone_notes(contact: Contact) -> Iterator[str]:
     if contact.friction[0] != contact.friction[1]:
         first, second = contact.friction
         yield f"friction differs with direction, {first:g} and {second:g}; here it is the first"
@@ -252,7 +217,7 @@ def _cone_notes(contact: Contact) -> Iterator[str]:
             "condim above 3: friction also acts against spin about the normal, and with 6 against "
             "rolling, which no effect here expresses"
         )
-    if contact.friction[0] > 0.0 and not contact.elliptic:
+    if has_friction and not contact.elliptic:
         yield (
             'the friction cone is a pyramid, so friction depends on direction; cone="elliptic" is '
             "round"

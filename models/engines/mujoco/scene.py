@@ -21,7 +21,6 @@ INTEGRATORS = {
     "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
 }
 ROUNDING = 1e-9  # of a step: times that are so near to one need no further step
-QUATERNION = 4  # numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,65 +91,49 @@ class MujocoScene:
         return replace(self, model=model)
 
     def fly(self, states: Floats, times: Floats) -> Floats:
-        """Fly balls.
-
-        Args:
-            states: (B, 9) at time zero, in the table frame.
-            times: (T,) s, rising, the first one zero or later.
-
-        Returns:
-            (B, T, 9) states.
+        """Fly balls, as ``Engine`` does.
 
         Raises:
             EngineError: the simulation diverges; names the ball and the time.
         """
-        model = _without_resets(self.model)
+        model = copy.copy(self.model)
+        # It does not start again when it diverges: that would look like a flight.
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         data = mujoco.MjData(model)
         launches = self.frame.to_world(np.asarray(states, dtype=np.float64))
         flown = np.empty((len(launches), len(times), STATE_SIZE))
         for number, launch in enumerate(launches):
             try:
                 flown[number] = self._flight(model, data, launch, np.asarray(times))
-            except _UnstableError as error:
+            except EngineError as error:
                 raise EngineError(f"{self.name}: ball {number}: {error}") from None
         return self.frame.to_table(flown)
 
     def _flight(
         self, model: mujoco.MjModel, data: mujoco.MjData, launch: Floats, times: Floats
     ) -> Floats:
+        """Return (T, 9) states of the world's frame, of one ball."""
         step = model.opt.timestep
         count = max(1, int(np.ceil(times.max(initial=0.0) / step - ROUNDING)))
         reset(model, data)
-        self._place(data, launch)
-        states, touches = self._steps(model, data, count)
-        return _states_between(states, touches, step, times)
-
-    def _place(self, data: mujoco.MjData, launch: Floats) -> None:
         first, moving = self.ball.position, self.ball.velocity
-        orientation = data.qpos[first + 3 : first + 3 + QUATERNION]
-        data.qpos[first : first + 3] = launch[POSITION]
-        data.qvel[moving : moving + 3] = launch[VELOCITY]
-        data.qvel[moving + 3 : moving + 6] = launch[SPIN] @ rotations(orientation)
-
-    def _steps(
-        self, model: mujoco.MjModel, data: mujoco.MjData, count: int
-    ) -> tuple[Floats, Bools]:
-        """Return (K + 1, 9) states at the steps, and (K,) whether the ball touches in a step."""
-        first, moving = self.ball.position, self.ball.velocity
-        pose = data.qpos[first : first + 3 + QUATERNION]
-        motion = data.qvel[moving : moving + 6]
-        path = np.empty((count + 1, len(pose) + len(motion)))
+        pose, motion = data.qpos[first : first + 7], data.qvel[moving : moving + 6]
+        pose[:3], motion[:3] = launch[POSITION], launch[VELOCITY]
+        motion[3:] = launch[SPIN] @ rotations(pose[3:])
+        path = np.empty((count + 1, 13))  # position, quaternion, velocity, spin of the body
         contacts = np.zeros(count + 1, dtype=np.bool_)
         path[0] = (*pose, *motion)
         with collected_warnings() as warnings:
             for number in range(1, count + 1):
                 mujoco.mj_step(model, data)
-                path[number, : len(pose)], path[number, len(pose) :] = pose, motion
+                path[number, :7], path[number, 7:] = pose, motion
                 contacts[number] = data.ncon > 0 and self.ball.geom in data.contact.geom
         if data.warning.number.any():
-            raise _UnstableError(next(text for text in warnings if "Time = " in text))
+            raise EngineError(next(text for text in warnings if "Time = " in text))
+        spins = np.einsum("kij,kj->ki", rotations(path[:, 3:7]), path[:, 10:])
+        states = np.column_stack([path[:, :3], path[:, 7:10], spins])
         # Euler finds contacts at the start of a step, RK4 leaves those at its end.
-        return _states(path), contacts[1:] | contacts[:-1]
+        return _states_between(states, contacts[1:] | contacts[:-1], step, times)
 
 
 def rotations(quaternions: Floats) -> Floats:
@@ -162,23 +145,6 @@ def rotations(quaternions: Floats) -> Floats:
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
-
-
-class _UnstableError(Exception):
-    """MuJoCo warns about its own simulation."""
-
-
-def _states(path: Floats) -> Floats:
-    """Return (K, 9) states from (K, 13) positions, quaternions, velocities and spins."""
-    spins = np.einsum("kij,kj->ki", rotations(path[:, 3:7]), path[:, 10:13])
-    return np.column_stack([path[:, :3], path[:, 7:10], spins])
-
-
-def _without_resets(model: mujoco.MjModel) -> mujoco.MjModel:
-    """Return a copy that does not start again when it diverges: that would look like a flight."""
-    changed = copy.copy(model)
-    changed.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    return changed
 
 
 def _states_between(states: Floats, touches: Bools, step: float, times: Floats) -> Floats:
@@ -204,14 +170,9 @@ def _states_between(states: Floats, touches: Bools, step: float, times: Floats) 
     before, after = states[first], states[first + 1]
     between = np.empty((len(times), STATE_SIZE))
     between[:] = (1.0 - share) * before + share * after
-    bend = _bend(before, after, share, step)
-    between[:, POSITION] += np.where(touches[first][:, None], 0.0, bend)
-    return between
-
-
-def _bend(before: Floats, after: Floats, share: Floats, step: float) -> Floats:
-    """Return (T, 3) m by which the cubic deviates from the straight line."""
     straight = after[:, POSITION] - before[:, POSITION]
     start = step * before[:, VELOCITY] - straight
     end = step * after[:, VELOCITY] - straight
-    return share * (1.0 - share) * ((1.0 - share) * start - share * end)
+    bend = share * (1.0 - share) * ((1.0 - share) * start - share * end)  # of the cubic, m
+    between[:, POSITION] += np.where(touches[first][:, None], 0.0, bend)
+    return between

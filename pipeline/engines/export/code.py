@@ -27,7 +27,8 @@ from rallygap.models.ball.state import (
 CODE, SCENE = "ball_effects.py", "scene.xml"  # names of the files that are given back
 ENGINES = ("python", "pybullet", "mujoco")  # that have a template
 TEMPLATES = Path(__file__).parent / "templates"
-CONTEXTS = (Air, Impact)
+# The arguments of a quantity's functions, before the parameters, by its context.
+ARGUMENTS: dict[type | None, list[str]] = {None: [], Air: ["air"], Impact: ["impact"]}
 PLAIN = ("DRAG_FACTOR", "MAGNUS_FACTOR")  # constants that every file has
 # The quantities of flight and of the table.
 CODED = {
@@ -64,7 +65,7 @@ def ball_effects(simulator: Simulator, title: str, provenance: Sequence[str], en
         drag_factor=DRAG_FACTOR,
         magnus_factor=MAGNUS_FACTOR,
         constants={name: value for name, value in named if name not in PLAIN},
-        contexts="\n\n\n".join(inspect.getsource(context).strip() for context in CONTEXTS),
+        contexts="\n\n\n".join(inspect.getsource(context).strip() for context in (Air, Impact)),
         hooks="\n\n\n".join(_hook(*change) for change in _changes(simulator)),
         quantities="\n\n\n".join(_quantity(simulator, quantity) for quantity in CODED.values()),
         half_width=TABLE_HALF_WIDTH,
@@ -103,34 +104,25 @@ def _changes(simulator: Simulator) -> Iterator[tuple[str, Change]]:
 
 def _quantity(simulator: Simulator, quantity: Quantity) -> str:
     """Return the function of a quantity: its start, plus all added terms, times all factors."""
-    calls: dict[str, list[str]] = {"adds": [], "scales": []}
+    context = ARGUMENTS[quantity.context]
+    is_number = quantity.size == 1
+    start = quantity.start if is_number else (quantity.start,) * quantity.size
+    terms: dict[str, list[str]] = {"adds": [], "scales": []}
     for effect, change in _changes(simulator):
         if change.quantity == quantity.name:
-            calls[change.how].append(_call(simulator, effect, change))
-    start = repr(quantity.start) if quantity.size == 1 else repr((quantity.start,) * quantity.size)
+            values = [repr(float(value)) for value in simulator.effects[effect].values()]
+            call = f"{_name(effect, change)}({', '.join([*context, *values])})"
+            if change.how == "scales":
+                terms["scales"].append(f"    value *= {call}")
+            else:
+                added = f"+= {call}" if is_number else f"= total(value, {call})"
+                terms["adds"].append(f"    value {added}")
     lines = [
-        f"def {quantity.name}({', '.join(_context(quantity))}):",
+        f"def {quantity.name}({', '.join(context)}):",
         f'    """{quantity.meaning[0].upper()}{quantity.meaning[1:]}."""',
-        f"    value = {start}",
+        f"    value = {start!r}",
     ]
-    if quantity.size == 1:
-        lines += [f"    value += {call}" for call in calls["adds"]]
-    else:
-        lines += [f"    value = total(value, {call})" for call in calls["adds"]]
-    lines += [f"    value *= {call}" for call in calls["scales"]]
-    return "\n".join([*lines, "    return value"])
-
-
-def _context(quantity: Quantity) -> list[str]:
-    """Return the names of the arguments of a quantity's functions, before the parameters."""
-    names: dict[type | None, list[str]] = {None: [], Air: ["air"], Impact: ["impact"]}
-    return names[quantity.context]
-
-
-def _call(simulator: Simulator, effect: str, change: Change) -> str:
-    context = _context(CODED[change.quantity])
-    values = [repr(float(value)) for value in simulator.effects[effect].values()]
-    return f"{_name(effect, change)}({', '.join([*context, *values])})"
+    return "\n".join([*lines, *terms["adds"], *terms["scales"], "    return value"])
 
 
 def _name(effect: str, change: Change) -> str:

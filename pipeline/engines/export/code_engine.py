@@ -28,12 +28,7 @@ class CodeEngine:
     def fly(self, states: Floats, times: Floats) -> Floats:
         """Fly balls, each from the start of the scene, as ``Engine`` does.
 
-        Args:
-            states: (B, 9) at time zero, in the table frame.
-            times: (T,) s, rising, multiples of the scene's time step.
-
-        Returns:
-            (B, T, 9) states.
+        Times are multiples of the scene's time step.
         """
         names: dict[str, Any] = {}
         exec(self.code, names)

@@ -96,11 +96,7 @@ def former_scene(out: Path) -> list[str]:
 
 
 def code_of(simulator: str, engine: str) -> str:
-    """Return a simulator's flight and bounce as code for an engine.
-
-    Args:
-        simulator: name of a shipped one, or its YAML file, whose comments go into the code.
-        engine: one of ``ENGINES``.
+    """Return a simulator's flight and bounce as code for an engine, as ``export`` takes them.
 
     Raises:
         InputError: the simulator cannot be read.

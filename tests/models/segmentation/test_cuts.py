@@ -58,25 +58,21 @@ def test_contact_times_and_places_are_right(pairs):
     assert np.median(heights) == pytest.approx(0.02, abs=0.001)
 
 
-def test_velocities_are_right_at_outliers_too(pairs):
-    error = np.concatenate(
-        [np.linalg.norm(cuts.velocity - rally.velocity, axis=1) for rally, cuts in pairs]
-    )
-    outlier = np.concatenate([rally.outlier for rally, _ in pairs])
-    assert np.median(error) < 0.05
-    assert np.median(error[outlier]) < 0.05
-    assert np.percentile(error, 99) < 0.5
-
-
-def test_outliers_are_marked_and_good_samples_are_not(pairs):
+def test_outliers_are_marked_and_velocities_are_right_there_too(pairs):
     true = np.concatenate([rally.outlier for rally, _ in pairs])
     marked = np.concatenate([cuts.outlier for _, cuts in pairs])
     assert marked[true].mean() > 0.99
     assert marked[~true].mean() < 0.005
+    error = np.concatenate(
+        [np.linalg.norm(cuts.velocity - rally.velocity, axis=1) for rally, cuts in pairs]
+    )
+    assert np.median(error) < 0.05
+    assert np.median(error[true]) < 0.05
+    assert np.percentile(error, 99) < 0.5
 
 
-def test_cuts_do_not_depend_on_when_or_on_which_side(rally):
-    one = cut(rally.t, rally.x, SETTINGS)
+def test_cuts_do_not_depend_on_when_or_on_which_side(pairs):
+    rally, one = pairs[0]
     other = cut(rally.t + 64.0, rally.x * [-1, 1, 1], SETTINGS)
     np.testing.assert_array_equal(one.flight, other.flight)
     np.testing.assert_allclose(one.velocity, other.velocity * [-1, 1, 1], atol=1e-6)
@@ -84,9 +80,13 @@ def test_cuts_do_not_depend_on_when_or_on_which_side(rally):
     np.testing.assert_allclose(times[0], np.array(times[1]) - 64.0, atol=1e-6)
 
 
-def test_gap_begins_a_flight_without_a_contact():
+def parabola():
     t = 0.005 * np.arange(60)
-    x = np.stack([0 * t, 4 * t, 0.3 + 2 * t - 4.905 * t**2], axis=1)
+    return t, np.stack([0 * t, 4 * t, 0.3 + 2 * t - 4.905 * t**2], axis=1)
+
+
+def test_gap_begins_a_flight_without_a_contact():
+    t, x = parabola()
     keep = (t < 0.1) | (t > 0.1 + SETTINGS.longest_gap)
     cuts = cut(t[keep], x[keep], SETTINGS)
     np.testing.assert_array_equal(cuts.flight, (t > 0.1)[keep])
@@ -94,8 +94,7 @@ def test_gap_begins_a_flight_without_a_contact():
 
 
 def test_step_of_the_measurement_is_no_contact_but_leaves_a_residual():
-    t = 0.005 * np.arange(60)
-    x = np.stack([0 * t, 4 * t, 0.3 + 2 * t - 4.905 * t**2], axis=1)
+    t, x = parabola()
     x[30:, 0] += 0.08
     cuts = cut(t, x, SETTINGS)
     assert cuts.flights == 1
@@ -136,21 +135,15 @@ def flown(lift=(0.0, 2.0, -9.81 - 3.0)):
     return states[:, :3], states[:, 3:]
 
 
-def test_flight_with_drag_and_constant_lift_has_no_residual():
-    assert flight_residuals(T, *flown(), ALL).max() < 1e-4
-
-
-def test_missed_contact_has_a_residual_of_centimetres():
+def test_residuals_of_a_flight_are_those_of_outliers_and_of_missed_contacts_alone():
     x, velocity = flown()
+    assert flight_residuals(T, x, velocity, ALL).max() < 1e-4
+    outlier = np.arange(100) == 40
+    off = x + outlier[:, None] * [0.0, 0.3, 0.4]
+    errors = flight_residuals(T, off, velocity, ~outlier)
+    np.testing.assert_allclose(errors, np.where(outlier, 0.5, 0), atol=1e-4)
     x[50:] += (T[50:, None] - T[50]) * [0, -1.0, 4.0]
     assert np.sqrt(np.mean(flight_residuals(T, x, velocity, ALL) ** 2)) > 0.03
-
-
-def test_outlier_has_a_residual_and_does_not_affect_the_fit():
-    x, velocity = flown()
-    x[40] += [0.0, 0.3, 0.4]
-    errors = flight_residuals(T, x, velocity, np.arange(100) != 40)
-    np.testing.assert_allclose(errors, np.where(np.arange(100) == 40, 0.5, 0), atol=1e-4)
 
 
 @pytest.mark.real

@@ -28,14 +28,9 @@ def clock(x):
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_noise_alone_does_not_break_an_arc(seed):
+def test_noise_and_outliers_do_not_break_an_arc(seed):
     x = noisy(path(80, [0.5, 4.0, 2.0]), seed)
     assert arcs(clock(x), x) == [(0, 79)]
-
-
-@pytest.mark.parametrize("seed", range(10))
-def test_outliers_do_not_break_an_arc(seed):
-    x = noisy(path(80, [0.5, 4.0, 2.0]), seed)
     random = np.random.default_rng(100 + seed)
     off = random.choice(np.arange(1, 79), 8, replace=False)
     x[off] += random.choice([-1, 1], (8, 3)) * random.uniform(0.05, 0.5, (8, 3))

@@ -72,13 +72,9 @@ def test_wrong_kind_and_late_contacts_are_false_positives():
     assert scored.false["kind"].tolist() == ["table", "table"]
 
 
-def test_contacts_match_only_within_their_recording():
+def test_contacts_match_only_within_their_recording_and_without_truth_there_is_none():
     elsewhere = contacts((0.5, "racket", 1.5), recording_id="arena/2")
-    scored = score(TRUE, elsewhere, SAMPLES, SETTINGS)
-    assert not scored.true["detected"].any()
-
-
-def test_without_truth_there_is_nothing_to_score():
+    assert not score(TRUE, elsewhere, SAMPLES, SETTINGS).true["detected"].any()
     scored = score(TRUE.iloc[:0], TRUE.iloc[:0], SAMPLES.iloc[:0], SETTINGS)
     assert scored.true.empty
     assert scored.false.empty

@@ -20,40 +20,34 @@ table_bounce: {restitution: 0.88, friction: 0.3}
 
 
 def files(folder):
-    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
 
 
-def test_an_audit_has_the_list_and_its_traps(tmp_path):
-    (tmp_path / "mine.yaml").write_text(MINE)
-    result = CliRunner().invoke(
-        app, ["audit", str(tmp_path / "mine.yaml"), "--out", str(tmp_path / "out")]
-    )
+def test_an_audit_has_the_list_its_traps_and_a_comparison_and_the_same_bytes_again(tmp_path):
+    mine, out = tmp_path / "mine.yaml", tmp_path / "out"
+    mine.write_text(MINE)
+    words = ["audit", str(mine), "--against", "literature", "--out", str(out)]
+    result = CliRunner().invoke(app, words)
     assert result.exit_code == 0, result.output
     assert "Trap: Lift is inverse (C_M -0.2)" in result.output
-    assert files(tmp_path / "out") == FILES
-    content = json.loads((tmp_path / "out" / "audit.json").read_text())
+    assert "Compared with literature, balls are " in result.output
+    assert sorted(files(out)) == FILES
+    content = json.loads((out / "audit.json").read_text())
     assert [one["identifier"] for one in content["traps"]] == ["inverse_lift"]
     assert content["unexplained"]["table"]["largest_mm"] < 0.01
-    found = load_simulator(str(tmp_path / "out" / "simulator.yaml"))
-    assert found.to_dict() == load_simulator(str(tmp_path / "mine.yaml")).to_dict()
-    assert "Lift is inverse" in (tmp_path / "out" / "report.html").read_text()
-
-
-def test_two_engines_are_compared(tmp_path):
-    (tmp_path / "mine.yaml").write_text(MINE)
-    said = audit_folder(str(tmp_path / "mine.yaml"), tmp_path / "out", "literature")
-    assert said[-2].startswith("Compared with literature, balls are ")
+    assert content["against"]["effects"]["magnus.cm"] == 0.069
+    assert content["against"]["flight_mm"] > 100.0
+    found = load_simulator(str(out / "simulator.yaml"))
+    assert found.to_dict() == load_simulator(str(mine)).to_dict()
+    page = (out / "report.html").read_text()
+    assert "Lift is inverse" in page and "Compared with another engine" in page
+    said = audit_folder(str(mine), tmp_path / "again", "literature")
     assert "drag.cd 0.45 and 0.54" in said[-1] and "gravity.g" not in said[-1]
-    content = json.loads((tmp_path / "out" / "audit.json").read_text())["against"]
-    assert content["effects"]["magnus.cm"] == 0.069 and content["flight_mm"] > 100.0
-    assert "Compared with another engine" in (tmp_path / "out" / "report.html").read_text()
-
-
-def test_the_same_engine_gives_the_same_bytes(tmp_path):
-    for name in ("first", "second"):
-        audit_folder("literature", tmp_path / name)
-    for file in FILES:
-        assert (tmp_path / "first" / file).read_bytes() == (tmp_path / "second" / file).read_bytes()
+    assert files(tmp_path / "again") == files(out)
 
 
 def test_an_engine_that_fails_leaves_nothing(tmp_path):

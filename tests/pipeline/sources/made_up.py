@@ -14,7 +14,7 @@ from rallygap.models.arena.settings import ArenaSettings
 from rallygap.pipeline.io.artifacts import read_table
 from rallygap.pipeline.io.source_manifest import Manifest
 from rallygap.pipeline.params import IngestSettings
-from rallygap.pipeline.sources.gather import TABLES, gather
+from rallygap.pipeline.sources.gather import TABLES, Gathered, gather
 
 TIMES = np.array([0.0, 0.007, 0.014, 0.021])
 # A ball towards -y, 5 m/s.
@@ -49,8 +49,12 @@ def read(folder: Path | None, *sources: str, arena=ARENA, seed=0) -> Read:
     """Gather ``sources`` from ``folder``."""
     settings = IngestSettings(folder=folder, sources=list(sources), arena=arena)
     with tempfile.TemporaryDirectory() as out:
-        gathered = gather(settings, seed, Path(out))
-        tables = {name: read_table(Path(out) / f"{name}.parquet") for name in TABLES}
+        return read_again(gather(settings, seed, Path(out)), Path(out))
+
+
+def read_again(gathered: Gathered, folder: Path) -> Read:
+    """Read what was gathered from its folder."""
+    tables = {name: read_table(folder / f"{name}.parquet") for name in TABLES}
     return Read(gathered.manifest, gathered.truth, **tables)
 
 

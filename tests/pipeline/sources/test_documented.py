@@ -20,14 +20,11 @@ def test_the_example_of_a_new_source_works(tmp_path, monkeypatch):
     exec(code, module)
     monkeypatch.setattr(gather_module, "find_source", lambda name: module["source"])
     write_lines(tmp_path / "my_lab" / "one.txt", ["0\t100\t1000\t1060", "0.01\t100\t950\t1060"])
-
     recordings = read(tmp_path, "my_lab").recordings
-
     assert recordings["recording_id"].tolist() == ["my_lab/one"] * 2
     assert recordings[POSITION_COLUMNS].iloc[0].tolist() == pytest.approx([0.1, 1.0, 0.3])
 
 
 def test_every_source_is_described():
     described = re.findall(r"^\| \[?`(\w+)`(?:\]\(#\w+\))? \|", PAGE, flags=re.MULTILINE)
-
     assert set(described) == set(registry())

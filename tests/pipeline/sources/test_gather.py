@@ -43,10 +43,9 @@ def read_rows(tmp_path, *rows):
     ],
 )
 def test_an_impossible_row_is_refused_and_the_rest_kept(tmp_path, row, reason):
-    gathered = read_rows(tmp_path, GOOD[0], GOOD[1], row, GOOD[2])
-
+    gathered = read_rows(tmp_path, GOOD[0], "", GOOD[1], row, "  ", GOOD[2])
     record = gathered.manifest.sources["csv"]
-    assert record.rows_refused[reason].model_dump() == {"count": 1, "rows": {"session.csv": [4]}}
+    assert record.rows_refused[reason].model_dump() == {"count": 1, "rows": {"session.csv": [5]}}
     assert list(record.rows_refused) == [reason]
     assert (record.rows_read, record.rows_kept) == (4, 3)
     assert gathered.recordings["t"].tolist() == [0.0, 0.01, 0.02]
@@ -54,27 +53,18 @@ def test_an_impossible_row_is_refused_and_the_rest_kept(tmp_path, row, reason):
 
 def test_after_a_step_back_only_later_samples_count(tmp_path):
     times = [0.0, 0.1, 0.2, 0.1, 0.15, 0.2, 0.3]
-
     gathered = read_rows(tmp_path, *(f"{time},0,1,0.3" for time in times))
-
     refused = gathered.manifest.sources["csv"].rows_refused
     assert gathered.recordings["t"].tolist() == [0.0, 0.1, 0.2, 0.3]
     assert refused["time backwards"].rows == {"session.csv": [5, 6]}
     assert refused["time repeated"].rows == {"session.csv": [7]}
 
 
-def test_blank_lines_are_no_rows(tmp_path):
-    record = read_rows(tmp_path, GOOD[0], "", "  ", GOOD[1]).manifest.sources["csv"]
-
-    assert (record.rows_read, record.rows_kept) == (2, 2)
-
-
 def test_one_sample_is_no_recording(tmp_path):
     write_csv(tmp_path, "broken_off.csv", rows=[HEADER, GOOD[0]])
-
-    gathered = read_rows(tmp_path, *GOOD)
-
-    record = gathered.manifest.sources["csv"]
+    with pytest.raises(InputError, match="csv: no recording has more than one sample"):
+        read(tmp_path, "csv")
+    record = read_rows(tmp_path, *GOOD).manifest.sources["csv"]
     assert record.recordings == 1
     assert record.rows_refused["the only sample of its recording"].rows == {"broken_off.csv": [2]}
 
@@ -92,44 +82,37 @@ def test_one_sample_is_no_recording(tmp_path):
 def test_a_file_without_a_usable_row_is_one_error(tmp_path, rows, problem):
     path = write_csv(tmp_path, rows=rows)
     path.write_text("\n".join(rows))
-
     with pytest.raises(InputError, match=rf"session\.csv.*{problem}"):
         read(tmp_path, "csv")
 
 
-def test_a_source_of_single_samples_is_one_error(tmp_path):
-    with pytest.raises(InputError, match="csv: no recording has more than one sample"):
-        read_rows(tmp_path, GOOD[0])
-
-
 @pytest.mark.parametrize("source", WRITERS)
-@pytest.mark.parametrize("content", [b"", PNG, b"\xff\xfe\x00", b"hello\n", b'{"a": 1}\n'])
+@pytest.mark.parametrize("content", [b"", PNG, b"hello\n", b'{"a": 1}\n'])
 def test_a_file_that_is_not_what_its_name_says_is_one_error(tmp_path, source, content):
     path = WRITERS[source](tmp_path)
     path.write_bytes(content)
-
     with pytest.raises(InputError, match=path.name):
         read(tmp_path, source)
 
 
 @pytest.mark.parametrize("source", WRITERS)
-def test_a_folder_without_files_is_one_error(tmp_path, source):
+def test_a_folder_that_is_missing_or_empty_is_one_error(tmp_path, source):
+    with pytest.raises(InputError, match=rf"{source}: there is no such folder; set ingest\.folder"):
+        read(tmp_path, source)
     (tmp_path / source).mkdir()
-
     with pytest.raises(InputError, match=source):
         read(tmp_path, source)
 
 
-def test_a_missing_folder_names_the_setting(tmp_path):
-    with pytest.raises(InputError, match=r"tt3d: there is no such folder; set ingest\.folder"):
-        read(tmp_path, "tt3d")
-
-
 def test_a_folder_that_is_not_set_names_the_setting(monkeypatch):
     monkeypatch.delenv("RALLYGAP_DATA", raising=False)
-
     with pytest.raises(InputError, match=r"ingest\.folder: is not set, nor is RALLYGAP_DATA"):
         read(None, "tt3d")
+
+
+def test_a_folder_that_cannot_be_looked_at_is_one_error(tmp_path):
+    with pytest.raises(InputError, match="cannot be read: File name too long"):
+        read(tmp_path / ("x" * 300), "csv")
 
 
 @pytest.mark.parametrize("relative", [False, True])
@@ -137,53 +120,62 @@ def test_the_environment_gives_the_folder_if_the_setting_does_not(tmp_path, monk
     WRITERS["tt3d"](tmp_path / "balls")
     monkeypatch.setenv("DVC_ROOT", str(tmp_path))  # a temporary copy may be the working directory
     monkeypatch.setenv("RALLYGAP_DATA", "balls" if relative else str(tmp_path / "balls"))
-
     assert read(None, "tt3d").manifest.sources["tt3d"].recordings == 1
 
 
 def test_hidden_files_and_folders_are_no_recordings(tmp_path):
     write_csv(tmp_path, "._session.csv", rows=["\x00\x05"])
     (tmp_path / "csv" / "old.csv").mkdir()
-
     assert read_rows(tmp_path, *GOOD).manifest.sources["csv"].recordings == 1
 
 
-def test_all_sources_end_in_the_two_tables(tmp_path):
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """One of all sources, with rows to be refused."""
+    folder = tmp_path_factory.mktemp("sources")
     for write in WRITERS.values():
-        write(tmp_path)
+        write(folder)
+    write_csv(folder, "bad.csv", rows=[HEADER, *GOOD, "0.02,0,1,0.3", "x,0,1,0.3"])
+    write_csv(folder, "single.csv", rows=[HEADER, GOOD[0]])
+    return folder
 
-    gathered = read(tmp_path, *WRITERS)
 
-    checked(gathered.recordings, RECORDINGS)
-    checked(gathered.launches, LAUNCHES)
-    sources = gathered.recordings["recording_id"].str.split("/").str[0].unique()
+@pytest.fixture(scope="module")
+def everything(folder):
+    return read(folder, *WRITERS)
+
+
+def test_all_sources_end_in_the_two_tables(everything):
+    checked(everything.recordings, RECORDINGS)
+    checked(everything.launches, LAUNCHES)
+    sources = everything.recordings["recording_id"].str.split("/").str[0].unique()
     assert sources.tolist() == ["spindoe", "tt3d", "isr_ball_prediction", "csv"]
-    assert len(gathered.launches) == 3
+    assert len(everything.launches) == 3
+
+
+def test_the_manifest_has_checksums_and_can_be_read_again(tmp_path, folder, everything):
+    write_json(tmp_path / "manifest.json", everything.manifest.model_dump(mode="json"))
+    assert read_manifest(tmp_path / "manifest.json") == everything.manifest
+    assert str(folder) not in (tmp_path / "manifest.json").read_text()
+    (entry,) = everything.manifest.sources["tt3d"].files
+    content = (folder / "tt3d" / "003.csv").read_bytes()
+    assert (entry.file, entry.sha256) == ("003.csv", hashlib.sha256(content).hexdigest())
 
 
 @pytest.mark.parametrize("batch_rows", [1, 5])
-def test_the_size_of_a_batch_changes_nothing(tmp_path, monkeypatch, batch_rows):
-    for write in WRITERS.values():
-        write(tmp_path)
-    write_csv(tmp_path, "bad.csv", rows=[HEADER, *GOOD, "0.02,0,1,0.3", "x,0,1,0.3"])
-    write_csv(tmp_path, "single.csv", rows=[HEADER, GOOD[0]])
-    at_once = read(tmp_path, *WRITERS)
-
+def test_the_size_of_a_batch_changes_nothing(folder, everything, monkeypatch, batch_rows):
     monkeypatch.setattr(source_import, "BATCH_ROWS", batch_rows)
-    in_parts = read(tmp_path, *WRITERS)
-
-    assert in_parts.recordings.equals(at_once.recordings)
-    assert in_parts.launches.equals(at_once.launches)
-    assert in_parts.manifest == at_once.manifest
+    in_parts = read(folder, *WRITERS)
+    assert in_parts.recordings.equals(everything.recordings)
+    assert in_parts.launches.equals(everything.launches)
+    assert in_parts.manifest == everything.manifest
 
 
 def test_a_row_group_has_whole_recordings(tmp_path, monkeypatch):
     for name in ("a", "b", "c", "d", "e"):
         write_csv(tmp_path, f"{name}.csv", rows=[HEADER, *GOOD])
     monkeypatch.setattr(source_import, "BATCH_ROWS", 5)
-
     gather(IngestSettings(folder=tmp_path, sources=["csv"], arena=ARENA), 0, tmp_path)
-
     groups = list(read_row_groups(tmp_path / "recordings.parquet"))
     assert [group["recording_id"].unique().tolist() for group in groups] == [
         ["csv/a", "csv/b"],
@@ -192,31 +184,10 @@ def test_a_row_group_has_whole_recordings(tmp_path, monkeypatch):
     ]
 
 
-def test_the_manifest_can_be_read_again(tmp_path):
-    for write in WRITERS.values():
-        write(tmp_path)
-    manifest = read(tmp_path, *WRITERS).manifest
-
-    write_json(tmp_path / "manifest.json", manifest.model_dump(mode="json"))
-
-    assert read_manifest(tmp_path / "manifest.json") == manifest
-    assert str(tmp_path) not in (tmp_path / "manifest.json").read_text()
-
-
 def test_a_manifest_of_another_form_is_one_error(tmp_path):
     write_json(tmp_path / "manifest.json", {"sources": {"tt3d": {"kind": "match"}}})
-
     with pytest.raises(InputError, match=r"manifest\.json, sources\.tt3d.*dvc repro -f ingest"):
         read_manifest(tmp_path / "manifest.json")
-
-
-def test_files_are_recorded_with_their_checksum(tmp_path):
-    path = WRITERS["tt3d"](tmp_path)
-
-    (entry,) = read(tmp_path, "tt3d").manifest.sources["tt3d"].files
-
-    assert entry.file == "003.csv"
-    assert entry.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def test_the_rate_is_the_median_over_all_recordings(tmp_path):
@@ -224,10 +195,4 @@ def test_the_rate_is_the_median_over_all_recordings(tmp_path):
         times = step * np.arange(20)
         rows = lines(",", times, np.tile([0.0, 1.0, 0.3], (20, 1)))
         write_lines(tmp_path / "csv" / f"{name}.csv", [HEADER, *rows])
-
     assert read(tmp_path, "csv").manifest.sources["csv"].rate_hz == 200.0
-
-
-def test_a_folder_that_cannot_be_looked_at_is_one_error(tmp_path):
-    with pytest.raises(InputError, match="cannot be read: File name too long"):
-        read(tmp_path / ("x" * 300), "csv")

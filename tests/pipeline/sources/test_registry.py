@@ -29,19 +29,16 @@ def offered(monkeypatch):
 
 def test_every_adapter_is_found_under_the_name_of_its_file():
     files = {module.name for module in pkgutil.iter_modules(adapters.__path__)}
-
     assert {name: find_source(name).name for name in files} == {name: name for name in files}
 
 
 def test_a_package_can_offer_a_source(offered):
     offered("my_lab")
-
     assert find_source("my_lab").name == "my_lab"
 
 
 def test_a_name_can_be_taken_once(offered):
     offered("tt3d")
-
     with pytest.raises(ValueError, match="two sources are called tt3d"):
         registry.registry()
 

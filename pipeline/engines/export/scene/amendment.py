@@ -1,16 +1,17 @@
 """A scene of MuJoCo with a list of effects in its attributes, as far as they can state it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
 
 from rallygap.models.ball.simulator import Simulator
+from rallygap.models.engines.mujoco.ball import SHELL, has_inertia
 from rallygap.models.engines.mujoco.contact import table_contact
 from rallygap.models.engines.mujoco.scene import MujocoScene
-from rallygap.models.engines.mujoco.stated import stated_effects
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.pipeline.engines.export.scene.change import Change, Element
 from rallygap.pipeline.engines.export.scene.contact import (
@@ -18,13 +19,7 @@ from rallygap.pipeline.engines.export.scene.contact import (
     friction_changes,
     restitution_changes,
 )
-from rallygap.pipeline.engines.export.scene.flight import (
-    Target,
-    ball_changes,
-    differs,
-    is_shell,
-    option_changes,
-)
+from rallygap.pipeline.engines.export.scene.flight import differs, flight_changes
 from rallygap.pipeline.engines.load import scene_errors
 from rallygap.pipeline.web.numbers import with_unit
 
@@ -110,14 +105,8 @@ class SceneFile:
             return MujocoScene.of(self.path.stem, spec.compile(), self.ball)
 
 
-@dataclass(frozen=True)
-class Amendment:
-    """A change of a scene, in words.
-
-    Attributes:
-        attribute: its name.
-        sentence: what it was and is, and where its numbers come from.
-    """
+class Amendment(NamedTuple):
+    """A change of a scene: the attribute, and a sentence on what it was, is and comes from."""
 
     attribute: str
     sentence: str
@@ -141,36 +130,30 @@ def amend(
     """
     amendments = []
 
-    def write(changes: Sequence[Change]) -> MujocoScene:
+    def write(changes: Iterable[Change]) -> MujocoScene:
         for change in changes:
-            amendments.append(_amendment(file.spec, change, after, comments))
-            change.write(file.spec)
+            origin = _origin(change.attribute, after, comments)
+            amendments.append(Amendment(change.attribute, f"{change.made(file.spec)} {origin}"))
         return file.scene()
 
-    scene = write(_flight_changes(file, before, after))
-    for parameter, changes in CONTACT_CHANGES.items():
+    scene = file.scene()
+    changes = flight_changes(scene, before, after)
+    if TABLE in after.effects and not has_inertia(scene.model, scene.ball, SHELL):
+        changes += _shell_changes(file, scene)
+    scene = write(changes)
+    for parameter, contact_changes in CONTACT_CHANGES.items():
         if _bounces_otherwise(parameter, scene, before, after):
-            scene = write(changes(scene, after))
+            scene = write(contact_changes(scene, after))
     return amendments
 
 
-def _flight_changes(file: SceneFile, before: Simulator, after: Simulator) -> list[Change]:
-    scene = file.scene()
-    did, does = Target.of(before.effects), Target.of(after.effects)
-    target = Target.of(stated_effects(scene)).where_changed(did, does)
-    changed = does.changed(did)
-    changes = option_changes(scene, target, changed) + ball_changes(scene, target, changed)
-    if TABLE in after.effects and not is_shell(scene):
-        changes += _shell_changes(file, scene)
-    return changes
-
-
-def _shell_changes(file: SceneFile, scene: MujocoScene) -> Iterator[Change]:
-    """Yield the changes to a shell; its density is that of its surface, so it needs a mass."""
+def _shell_changes(file: SceneFile, scene: MujocoScene) -> list[Change]:
+    """Return the changes to a shell; its density is that of its surface, so it needs a mass."""
     ball = Element("geom", scene.ball.geom)
-    yield Change.of(ball, "shellinertia", 1.0)
+    changes = [Change.of(ball, "shellinertia", 1.0)]
     if np.isnan(ball.of(file.spec).mass):
-        yield Change.of(ball, "mass", scene.ball.mass)
+        changes.append(Change.of(ball, "mass", scene.ball.mass))
+    return changes
 
 
 def _bounces_otherwise(
@@ -183,17 +166,10 @@ def _bounces_otherwise(
     return did is None or differs(did[parameter], after.effects[TABLE][parameter])
 
 
-def _amendment(
-    spec: mujoco.MjSpec, change: Change, after: Simulator, comments: Sequence[str]
-) -> Amendment:
-    reason = REASONS.get(change.attribute) or _origin(change.attribute, after, comments)
-    place, before = change.element.described(spec), change.before(spec)
-    sentence = f'{change.attribute} of {place} was "{before}", is "{change.after}". {reason}'
-    return Amendment(change.attribute, sentence)
-
-
 def _origin(attribute: str, simulator: Simulator, comments: Sequence[str]) -> str:
     """Return the comments on its parameters, or their values where there are no comments."""
+    if attribute in REASONS:
+        return REASONS[attribute]
     names = PARAMETERS[attribute]
     said = [comment for comment in comments if comment.partition(":")[0] in names]
     if said:

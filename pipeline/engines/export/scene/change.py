@@ -15,8 +15,11 @@ FIELDS = {
     "fluidcoef": "fluid_coefs",
     "shellinertia": "typeinertia",
 }
-# Attributes that are words, as they are without and with the field set.
-WORDS = {"fluidshape": ("none", "ellipsoid"), "shellinertia": ("false", "true")}
+# Attributes that are words, as they are without and with the field set, and the field.
+WORDS = {
+    "fluidshape": ("none", "ellipsoid", 1),
+    "shellinertia": ("false", "true", mujoco.mjtGeomInertia.mjINERTIA_SHELL),
+}
 
 
 @dataclass(frozen=True)
@@ -62,40 +65,24 @@ class Change:
         rounded = [float(f"{value + 0.0:.7g}") for value in np.atleast_1d(np.round(values, 12))]
         return cls(element, attribute, np.array(rounded))
 
-    @property
-    def after(self) -> str:
-        """The attribute's new value as MJCF has it."""
-        return WORDS[self.attribute][1] if self.attribute in WORDS else _text(self.values)
-
-    def before(self, spec: mujoco.MjSpec) -> str:
-        """Return the attribute's value in a specification as MJCF has it."""
+    def made(self, spec: mujoco.MjSpec) -> str:
+        """Set the attribute in a specification; return what it was and is, as MJCF has it."""
+        element, field = self.element.of(spec), FIELDS.get(self.attribute, self.attribute)
+        place = self.element.described(spec)
         if self.attribute in WORDS:
-            return WORDS[self.attribute][0]
-        return _text(np.atleast_1d(getattr(self.element.of(spec), self._field)))
-
-    def apply(self, model: mujoco.MjModel) -> None:
-        """Set the attribute of a contact in a compiled model, without compiling it again."""
-        numbers_of(model, self.element, self.attribute)[:] = self.values
-
-    def write(self, spec: mujoco.MjSpec) -> None:
-        """Set the attribute in a specification."""
-        value = self.values if len(self.values) > 1 else self.values[0]
-        if self.attribute in WORDS:
-            value = int(value)
-        if self.attribute == "shellinertia":
-            value = mujoco.mjtGeomInertia.mjINERTIA_SHELL
-        setattr(self.element.of(spec), self._field, value)
-
-    @property
-    def _field(self) -> str:
-        return FIELDS.get(self.attribute, self.attribute)
-
-
-def _text(values: Floats) -> str:
-    return "not set" if np.isnan(values).any() else " ".join(f"{value:.7g}" for value in values)
+            before, after, value = WORDS[self.attribute]
+        else:
+            before = _text(np.atleast_1d(getattr(element, field)))
+            after = _text(self.values)
+            value = self.values if len(self.values) > 1 else self.values[0]
+        setattr(element, field, value)
+        return f'{self.attribute} of {place} was "{before}", is "{after}".'
 
 
 def numbers_of(model: mujoco.MjModel, element: Element, attribute: str) -> Floats:
     """Return the numbers of a contact's attribute, ``solref`` or ``friction``, in a model."""
-    numbers: Floats = getattr(model, f"{element.kind}_{attribute}")[element.index]
-    return numbers
+    return getattr(model, f"{element.kind}_{attribute}")[element.index]
+
+
+def _text(values: Floats) -> str:
+    return "not set" if np.isnan(values).any() else " ".join(f"{value:.7g}" for value in values)

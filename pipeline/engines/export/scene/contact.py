@@ -16,7 +16,6 @@ from scipy.optimize import brentq
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import BALL_RADIUS, STATE_SIZE
-from rallygap.models.ball.types import Floats
 from rallygap.models.engines.mujoco.contact import PLACE, Contact, restitution, table_contact
 from rallygap.models.engines.mujoco.scene import MujocoScene
 from rallygap.pipeline.engines.export.scene.change import ROUNDING, Change, Element, numbers_of
@@ -39,12 +38,9 @@ NOWHERE = "neither the pair nor the geoms of ball and table make their contact; 
 
 
 def friction_changes(scene: MujocoScene, simulator: Simulator) -> list[Change]:
-    """Return the changes with which the contact has the coefficient of friction of a list.
+    """Return the changes with which the contact has the friction of a list; none where it has it.
 
     How fast slip ends remains as it is.
-
-    Returns:
-        None of them where the contact has it.
 
     Raises:
         InputError: neither the pair nor the geoms of ball and table make the contact.
@@ -65,16 +61,10 @@ def friction_changes(scene: MujocoScene, simulator: Simulator) -> list[Change]:
 
 
 def restitution_changes(scene: MujocoScene, simulator: Simulator) -> list[Change]:
-    """Return the changes with which balls leave the table as fast as with a list.
+    """Return the changes with which balls leave the table as fast as with a list; none if they do.
 
-    The stiffness remains, unless a ball sinks in deeper than ``DEEPEST``.
-
-    Args:
-        scene: whose flight is that of the list.
-        simulator: the list.
-
-    Returns:
-        None of them where they do.
+    The stiffness remains, unless a ball sinks in deeper than ``DEEPEST``. The scene's flight is
+    that of the list already.
 
     Raises:
         InputError: neither the pair nor the geoms of ball and table make the contact.
@@ -90,12 +80,32 @@ def restitution_changes(scene: MujocoScene, simulator: Simulator) -> list[Change
     raise InputError(scene.name, NOWHERE)
 
 
+def _choices(scene: MujocoScene) -> Iterator[list[Element]]:
+    """Yield what the contact may belong to: the pairs, or the ball, or the ball and the table."""
+    model, ball, tables = scene.model, scene.ball.geom, scene.frame.geoms
+    ends = np.column_stack([model.pair_geom1, model.pair_geom2]).tolist()
+    met = [{ball, table} for table in tables]
+    pairs = [Element("pair", number) for number, pair in enumerate(ends) if set(pair) in met]
+    if pairs:
+        yield pairs
+        return
+    yield [Element("geom", ball)]
+    yield [Element("geom", geom) for geom in (ball, *tables)]
+
+
 def _change(
     scene: MujocoScene, element: Element, attribute: str, first: tuple[float, ...]
 ) -> Change:
     """Return the change of the first numbers of an attribute; the others remain."""
     known = numbers_of(scene.model, element, attribute)
     return Change.of(element, attribute, np.r_[first, known[len(first) :]])
+
+
+def _applied(scene: MujocoScene, changes: Sequence[Change]) -> MujocoScene:
+    model = copy.copy(scene.model)
+    for change in changes:
+        numbers_of(model, change.element, change.attribute)[:] = change.values
+    return replace(scene, model=model)
 
 
 def _effective(scene: MujocoScene, changes: Sequence[Change]) -> list[Change]:
@@ -105,37 +115,20 @@ def _effective(scene: MujocoScene, changes: Sequence[Change]) -> list[Change]:
     return [change for change, now in pairs if not np.allclose(now, change.values, rtol=ROUNDING)]
 
 
-def _applied(scene: MujocoScene, changes: Sequence[Change]) -> MujocoScene:
-    model = copy.copy(scene.model)
-    for change in changes:
-        change.apply(model)
-    return replace(scene, model=model)
-
-
 def _contact(scene: MujocoScene) -> Contact:
     contact = table_contact(scene.model, scene.ball, scene.frame)
     assert contact is not None  # the caller has looked
     return contact
 
 
-def _choices(scene: MujocoScene) -> Iterator[tuple[Element, ...]]:
-    """Yield what the contact may belong to: the pairs, or the ball, or the ball and the table."""
-    model, ball, tables = scene.model, scene.ball.geom, scene.frame.geoms
-    ends = np.column_stack([model.pair_geom1, model.pair_geom2]).tolist()
-    met = [{ball, table} for table in tables]
-    pairs = [number for number, pair in enumerate(ends) if set(pair) in met]
-    if pairs:
-        yield tuple(Element("pair", pair) for pair in pairs)
-        return
-    yield (Element("geom", ball),)
-    yield tuple(Element("geom", geom) for geom in (ball, *tables))
-
-
 def _solved(scene: MujocoScene, simulator: Simulator, elements: Sequence[Element]) -> list[Change]:
     """Return the contact with the damping that gives the restitution of a list in this scene."""
     target = float(simulator.effects[TABLE]["restitution"])
+    stiffness, step = _contact(scene).stiffness, float(scene.model.opt.timestep)
+    if TYPICAL_SPEED * math.sqrt(target / stiffness) > DEEPEST:
+        stiffness = max(stiffness, (math.pi / (STEPS * step)) ** 2)
     # The fourth digit of a stiffness, and the hundredth of a damping, are enough.
-    stiffness = float(f"{_stiffness(scene, target):.4g}")
+    stiffness = float(f"{stiffness:.4g}")
     tried: list[tuple[float, list[Change]]] = []
     ratio = _ratio(target)
     for _ in range(CORRECTIONS):
@@ -149,13 +142,6 @@ def _solved(scene: MujocoScene, simulator: Simulator, elements: Sequence[Element
     return min(tried, key=lambda trial: trial[0])[1]
 
 
-def _stiffness(scene: MujocoScene, target: float) -> float:
-    known, step = _contact(scene).stiffness, float(scene.model.opt.timestep)
-    if TYPICAL_SPEED * math.sqrt(target / known) <= DEEPEST:
-        return known
-    return max(known, (math.pi / (STEPS * step)) ** 2)
-
-
 def _ratio(wanted: float) -> float:
     """Return the damping ratio with a restitution, as near as one above zero gets."""
     within = min(max(wanted, restitution(LARGEST_RATIO)), 1.0)
@@ -164,28 +150,16 @@ def _ratio(wanted: float) -> float:
 
 def _excess(scene: MujocoScene, simulator: Simulator) -> float:
     """Return by how much balls leave a scene's table too fast, over their speed, in the mean."""
-    contact = _contact(scene)
-    states, speeds = _drops(scene)
-    step = float(scene.model.opt.timestep)
-    times = np.array([states[:, 2].max() / SPEEDS[0] + 2.0 * contact.duration + 4.0 * step])
-    level = {name: values for name, values in simulator.effects.items() if name not in SURFACE}
-    known = Simulator(level).fly(_raised(states, BALL_RADIUS), times).states
-    flown = scene.fly(_raised(states, scene.ball.radius + contact.lift), times)
-    return float(((flown - known)[:, 0, 5] / speeds).mean())
-
-
-def _drops(scene: MujocoScene) -> tuple[Floats, Floats]:
-    """Return (B, 9) states over a table at height 0 for points, and their (B,) speeds, m/s."""
+    contact, step = _contact(scene), float(scene.model.opt.timestep)
     speeds = np.repeat(SPEEDS, PHASES)
     shares = np.tile(np.arange(PHASES) / PHASES, len(SPEEDS))
-    states = np.zeros((len(speeds), STATE_SIZE))
+    states = np.zeros((len(speeds), STATE_SIZE))  # over a table at height 0 for points
     states[:, 1] = -PLACE * scene.frame.length / 2.0
-    states[:, 2] = ABOVE + shares * speeds * scene.model.opt.timestep
+    states[:, 2] = ABOVE + shares * speeds * step
     states[:, 5] = -speeds
-    return states, speeds
-
-
-def _raised(states: Floats, height: float) -> Floats:
-    raised = states.copy()
-    raised[:, 2] += height
-    return raised
+    times = np.array([states[:, 2].max() / SPEEDS[0] + 2.0 * contact.duration + 4.0 * step])
+    up = np.eye(STATE_SIZE)[2]
+    level = {name: values for name, values in simulator.effects.items() if name not in SURFACE}
+    known = Simulator(level).fly(states + BALL_RADIUS * up, times).states
+    flown = scene.fly(states + (scene.ball.radius + contact.lift) * up, times)
+    return float(((flown - known)[:, 0, 5] / speeds).mean())

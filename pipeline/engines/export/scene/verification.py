@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -46,43 +47,37 @@ class VerificationShots:
 
     @classmethod
     def of(cls, simulator: Simulator) -> "VerificationShots":
-        """Return the shots, with the bounces that they have in a simulator."""
+        """Return the shots, with the bounces that they have in a simulator.
+
+        Bounces are well inside the table, and no other contact follows them soon.
+        """
         launched = launches(shipped("literature"), SHOTS, 2, np.random.default_rng(SEED)).states
         flights = launched.copy()
         flights[:, 2] += RAISED
-        return cls(flights, _before_bounces(simulator, launched))
+        contacts = simulator.fly(launched, [1.0]).contacts
+        moments = contacts.time[:, 0] - BEFORE
+        inside = (np.abs(contacts.before[:, 0, :2]) < EDGES).all(axis=1)
+        bounce = inside & (contacts.surface[:, 0] == TABLE) & (moments > 0.0)
+        states = simulator.fly(launched[bounce], moments[bounce][:, None]).states[:, 0]
+        alone = simulator.fly(states, [BEFORE + AFTER]).contacts.count == 1
+        return cls(flights, np.asarray(states[alone]))
 
     def some(self) -> "VerificationShots":
         """Return every fifth of the shots, for an engine that is slow."""
         return VerificationShots(self.flights[::EACH], self.bounces[::EACH])
 
 
-@dataclass(frozen=True)
-class Distances:
-    """Distances between two flights of the same shots.
+class Agreement(NamedTuple):
+    """Distances of an engine from a list of effects, mm.
 
     Attributes:
-        largest: mm.
-        most: mm, which 95 % of the shots do not exceed.
-        shots: how many.
+        flight: (200,) after 0.6 s.
+        bounce: (B,) 0.15 s after a contact with the table; None where the list or the scene has
+            none.
     """
 
-    largest: float
-    most: float
-    shots: int
-
-
-@dataclass(frozen=True)
-class Agreement:
-    """Distances of an engine from a list of effects.
-
-    Attributes:
-        flight: after 0.6 s.
-        bounce: 0.15 s after a contact with the table; None where the list or the scene has none.
-    """
-
-    flight: Distances
-    bounce: Distances | None
+    flight: Floats
+    bounce: Floats | None
 
     def sentences(self, name: str) -> Iterator[str]:
         """Yield what is met and what is not, with its size."""
@@ -93,22 +88,21 @@ class Agreement:
             yield _sentence(name, "bounces", place, self.bounce, BOUNCE_LIMIT)
 
 
-def distances(engine: Engine, other: Engine, states: Floats, time: float) -> Distances:
-    """Return the distances at a time (s) after the (B, 9) first states, of which there is one.
+def distances(engine: Engine, other: Engine, states: Floats, time: float) -> Floats:
+    """Return the (B,) distances in mm at a time (s) after the (B, 9) first states.
 
     Raises:
         EngineError: an engine fails.
     """
     times = np.array([time])
     apart = (engine.fly(states, times) - other.fly(states, times))[:, 0, POSITION]
-    sizes = MM * np.linalg.norm(apart, axis=-1)
-    return Distances(float(sizes.max()), float(np.quantile(sizes, 0.95)), len(states))
+    return MM * np.linalg.norm(apart, axis=-1)
 
 
 def agreement(
     engine: Engine, simulator: Simulator, shots: VerificationShots, step: float, bounces: bool
 ) -> Agreement:
-    """Fly the shots in an engine and with a list of effects.
+    """Fly the shots of a list of effects in an engine and with the list.
 
     Args:
         engine: to be verified.
@@ -133,11 +127,7 @@ def scene_sentences(
 ) -> Iterator[str]:
     """Yield how far a scene is from a list of effects, and which time step brings it near.
 
-    Args:
-        scene: to be verified.
-        simulator: the list.
-        shots: of this list.
-        name: of the scene's file.
+    Sentences call the scene by the ``name`` of its file; the shots are those of the list.
 
     Raises:
         EngineError: the scene fails at its own time step.
@@ -145,11 +135,11 @@ def scene_sentences(
     contact = table_contact(scene.model, scene.ball, scene.frame)
     agreed = agreement(scene, simulator, shots, _step(scene), contact is not None)
     yield from agreed.sentences(f"{name}, {_variant(scene)}")
-    if agreed.flight.largest > FLIGHT_LIMIT:
+    if agreed.flight.max() > FLIGHT_LIMIT:
         yield _finer(scene, simulator, shots, name)
     if contact is None and "table_bounce" in simulator.effects:
         yield f"{name} has no contact of ball and table, so bounces are not compared."
-    elif contact and agreed.bounce and agreed.bounce.largest > BOUNCE_LIMIT:
+    elif contact and agreed.bounce is not None and agreed.bounce.max() > BOUNCE_LIMIT:
         yield (
             f"In {name} a contact lasts {number(MS * contact.duration)} ms or "
             f"{number(contact.duration / _step(scene))} time steps, of which the list knows "
@@ -164,23 +154,23 @@ def _finer(scene: MujocoScene, simulator: Simulator, shots: VerificationShots, n
     for halvings in range(HALVINGS + 1):
         finer = scene.with_integrator(EXACT).with_step(_step(scene) / 2**halvings)
         try:
-            apart = distances(finer, known, shots.flights, _multiple(FLIGHT, _step(finer)))
+            apart = distances(finer, known, shots.flights, _multiple(FLIGHT, _step(finer))).max()
         except EngineError:
             continue
-        if apart.largest <= FLIGHT_LIMIT:
+        if apart <= FLIGHT_LIMIT:
             return (
-                f"With {_variant(finer)}, {name} flies within {_mm(apart.largest)}; integrator "
-                "and time step are left to you."
+                f"With {_variant(finer)}, {name} flies within {_mm(apart)}; integrator and time "
+                "step are left to you."
             )
     return f"Neither does {name} with {EXACT} and time steps down to {MS * _step(finer):g} ms."
 
 
-def _sentence(name: str, what: str, place: str, apart: Distances, limit: float) -> str:
-    excess = apart.largest - limit
-    verdict = "within" if excess <= 0.0 else f"{_mm(excess)} over"
+def _sentence(name: str, what: str, place: str, sizes: Floats, limit: float) -> str:
+    largest = float(sizes.max())
+    verdict = "within" if largest <= limit else f"{_mm(largest - limit)} over"
     return (
-        f"{name}: {apart.shots} {what} differ from the list by at most {_mm(apart.largest)} {place}"
-        f" (95 % by at most {_mm(apart.most)}), {verdict} the limit of {limit:g} mm."
+        f"{name}: {len(sizes)} {what} differ from the list by at most {_mm(largest)} {place} (95 % "
+        f"by at most {_mm(float(np.quantile(sizes, 0.95)))}), {verdict} the limit of {limit:g} mm."
     )
 
 
@@ -200,14 +190,3 @@ def _multiple(time: float, step: float) -> float:
 
 def _mm(size: float) -> str:
     return f"{size:.3g} mm" if size >= SMALLEST else f"{SMALLEST:g} mm"
-
-
-def _before_bounces(simulator: Simulator, launched: Floats) -> Floats:
-    """Return states before first contacts well inside the table that no other one follows soon."""
-    contacts = simulator.fly(launched, [1.0]).contacts
-    moments = contacts.time[:, 0] - BEFORE
-    inside = (np.abs(contacts.before[:, 0, :2]) < EDGES).all(axis=1)
-    bounce = inside & (contacts.surface[:, 0] == TABLE) & (moments > 0.0)
-    states = simulator.fly(launched[bounce], moments[bounce][:, None]).states[:, 0]
-    alone = simulator.fly(states, [BEFORE + AFTER]).contacts.count == 1
-    return np.asarray(states[alone])

@@ -8,6 +8,8 @@ from tests.models.engines.mujoco.scenes import BALL, TABLE, ball, compiled
 
 RACKET = '<body name="racket"><freejoint/><geom type="box" size=".08 .08 .01" pos="2 0 0"/></body>'
 
+MESH = '<asset><mesh name="round" vertex="0 0 0 .02 0 0 0 .02 0 0 0 .02"/></asset>'
+
 
 def found(world, name=None, rest=""):
     return find_ball(compiled(world, rest=rest), name)
@@ -20,19 +22,21 @@ def test_the_ball_is_the_free_body_that_is_one_small_sphere():
     assert (one.position, one.velocity) == (7, 6)
 
 
-def test_geoms_that_do_not_collide_do_not_count():
-    look = '<geom type="box" size=".01 .01 .01" contype="0" conaffinity="0" mass="0"/>'
-    assert found(ball(BALL + "/>" + look[:-2])).name == "ball"
+LOOK = '<geom type="box" size=".01 .01 .01" contype="0" conaffinity="0" mass="0"'
+OFF = f'{BALL} name="sphere" contype="0" conaffinity="0"'
 
 
-def test_a_sphere_that_only_a_pair_lets_collide_is_a_ball():
-    world = TABLE + ball(f'{BALL} name="sphere" contype="0" conaffinity="0"')
-    pair = '<contact><pair geom1="top" geom2="sphere"/></contact>'
-    assert found(world, rest=pair).name == "ball"
-
-
-def test_a_ball_that_meets_nothing_still_flies():
-    assert found(ball(f'{BALL} contype="0" conaffinity="0"')).name == "ball"
+@pytest.mark.parametrize(
+    ("world", "rest", "name"),
+    [
+        (ball(f"{BALL}/>{LOOK}"), "", "ball"),  # what does not collide does not count
+        (TABLE + ball(OFF), '<contact><pair geom1="top" geom2="sphere"/></contact>', "ball"),
+        (ball(OFF), "", "ball"),  # it meets nothing and still flies
+        (ball(name=""), "", "body 1"),
+    ],
+)
+def test_what_collides_decides_and_a_body_without_a_name_has_a_number(world, rest, name):
+    assert found(world, rest=rest).name == name
 
 
 def test_one_of_several_balls_is_named():
@@ -40,10 +44,6 @@ def test_one_of_several_balls_is_named():
     assert found(world, "spare").name == "spare"
     with pytest.raises(EngineError, match=r"2 bodies can be the ball: ball, spare; name one"):
         found(world)
-
-
-def test_a_ball_without_a_name_has_a_number():
-    assert found(ball(name="")).name == "body 1"
 
 
 @pytest.mark.parametrize(
@@ -59,18 +59,12 @@ def test_a_ball_without_a_name_has_a_number():
         (ball(f'{BALL} pos="0 0 .01"'), "its sphere or its mass off its origin"),
         (ball(f'{BALL}/><geom {BALL} pos=".1 0 0"'), "collides as sphere and sphere"),
         (ball('type="ellipsoid" size=".02 .02 .02"'), "collides as ellipsoid"),
+        (ball('type="mesh" mesh="round"'), "collides as mesh"),
     ],
 )
 def test_a_scene_without_a_ball_says_what_comes_near(world, problem):
     with pytest.raises(EngineError, match=problem):
-        found(world)
-
-
-def test_a_mesh_is_no_ball():
-    points = "0 0 0 .02 0 0 0 .02 0 0 0 .02"
-    mesh = f'<asset><mesh name="round" vertex="{points}"/></asset>'
-    with pytest.raises(EngineError, match="collides as mesh"):
-        found(ball('type="mesh" mesh="round"'), rest=mesh)
+        found(world, rest=MESH)
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from rallygap.models.engines.mujoco.frame import find_frame
 from tests.models.engines.mujoco.scenes import BALL, TABLE, ball, compiled
 
 HALF = '<geom name="{}" type="box" size=".685 .7625 .01" pos="{} 0 .75"/>'
+# By a millimetre.
 HIGHER = '<geom type="box" size=".685 .7625 .75" pos=".685 0 .011"/>'
-HALVES = HALF.format("own", -0.685) + HALF.format("other", 0.685)
 STATES = np.random.default_rng(0).normal(size=(2, 3, 9))
 
 
@@ -18,18 +18,42 @@ def frame_of(world, option="", rest="", keep=None):
     return find_frame(model, find_ball(model))
 
 
-def test_the_frame_of_a_table_in_its_own_frame_is_the_world():
-    frame = frame_of(TABLE)
-    np.testing.assert_allclose(frame.origin, 0.0, atol=1e-12)
-    np.testing.assert_allclose(frame.axes, np.eye(3), atol=1e-12)
-    assert (frame.found, frame.length, frame.width) == (True, 2.74, 1.525)
-
-
-def test_a_table_along_x_has_its_own_axes():
-    table = '<geom type="box" size="1.37 .7625 .01" pos="1 2 .75"/>'
-    frame = frame_of(table)
-    np.testing.assert_allclose(frame.origin, [1.0, 2.0, 0.76])
-    np.testing.assert_allclose(frame.axes.T, [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-12)
+@pytest.mark.parametrize(
+    ("world", "option", "origin", "axes"),
+    [
+        (TABLE, "", [0, 0, 0], [[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+        (
+            '<geom type="box" size="1.37 .7625 .01" pos="1 2 .75"/>',
+            "",
+            [1, 2, 0.76],
+            [[0, -1, 0], [1, 0, 0], [0, 0, 1]],
+        ),
+        (  # on another of its sides
+            '<geom type="box" size=".7625 .01 1.37" euler="90 0 0"/>',
+            "",
+            [0, 0, 0.01],
+            [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        ),
+        (  # up is against gravity
+            '<geom type="box" size=".7625 .01 1.37"/>',
+            'gravity="0 -9.81 0"',
+            [0, 0.01, 0],
+            [[-1, 0, 0], [0, 0, 1], [0, 1, 0]],
+        ),
+        (  # the highest of two tables
+            TABLE + '<geom type="box" size=".7625 1.37 .01" pos="0 0 .5"/>',
+            "",
+            [0, 0, 0.51],
+            [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        ),
+    ],
+)
+def test_the_frame_lies_on_the_table_along_it_and_up(world, option, origin, axes):
+    frame = frame_of(world, option)
+    np.testing.assert_allclose(frame.origin, origin, atol=1e-12)
+    np.testing.assert_allclose(frame.axes.T, axes, atol=1e-9)
+    assert frame.found
+    assert (frame.length, frame.width) == pytest.approx((2.74, 1.525))
 
 
 @pytest.mark.parametrize(
@@ -43,40 +67,19 @@ def test_y_points_along_the_nearest_axis_of_the_world(degrees, y):
     assert np.linalg.det(frame.axes) == pytest.approx(1.0)
 
 
-def test_a_box_may_lie_on_any_of_its_sides():
-    frame = frame_of('<geom type="box" size=".7625 .01 1.37" euler="90 0 0"/>')
-    np.testing.assert_allclose(frame.axes, np.eye(3), atol=1e-9)
-    assert frame.origin[2] == pytest.approx(0.01)
-
-
-def test_two_halves_and_their_net_are_a_table():
+@pytest.mark.parametrize("other", [HALF.format("other", 0.685), HIGHER])
+def test_two_halves_and_their_net_are_a_table(other):
     net = '<geom type="box" size=".01 .9 .07625" pos="0 0 .836"/>'
-    frame = frame_of(HALVES + net)
+    frame = frame_of(HALF.format("own", -0.685) + other + net)
     np.testing.assert_allclose(frame.origin, [0.0, 0.0, 0.76], atol=1e-12)
     assert len(frame.geoms) == 2
     assert frame.length == pytest.approx(2.74)
-
-
-def test_halves_may_differ_by_a_millimetre_in_height():
-    frame = frame_of(HALF.format("own", -0.685) + HIGHER)
-    assert frame.origin[2] == pytest.approx(0.76)
-    assert len(frame.geoms) == 2
 
 
 def test_a_table_that_is_not_level_keeps_its_normal():
     frame = frame_of('<geom type="box" size=".7625 1.37 .01" euler="2 0 0"/>')
     normal = [0.0, -np.sin(np.radians(2)), np.cos(np.radians(2))]
     np.testing.assert_allclose(frame.axes[:, 2], normal, atol=1e-12)
-
-
-def test_up_is_against_gravity():
-    frame = frame_of('<geom type="box" size=".7625 .01 1.37"/>', 'gravity="0 -9.81 0"')
-    np.testing.assert_allclose(frame.axes.T, [[-1, 0, 0], [0, 0, 1], [0, 1, 0]], atol=1e-12)
-
-
-def test_the_highest_of_two_tables_is_played_on():
-    frame = frame_of(TABLE + '<geom type="box" size=".7625 1.37 .01" pos="0 0 .5"/>')
-    assert frame.origin[2] == pytest.approx(0.51)
 
 
 @pytest.mark.parametrize(
@@ -120,5 +123,5 @@ def test_states_return_from_the_world():
     world = frame.to_world(STATES)
     assert np.abs(world - STATES).max() > 0.5
     np.testing.assert_allclose(frame.to_table(world), STATES, atol=1e-12)
-    speeds = [np.linalg.norm(one[..., 3:6], axis=-1) for one in (world, STATES)]
+    speeds = [np.linalg.norm(states[..., 3:6], axis=-1) for states in (world, STATES)]
     np.testing.assert_allclose(*speeds)

@@ -58,8 +58,8 @@ class Amended:
     def __init__(self, file, after, comments=()):
         self.before, self.after = does(file), after
         amendments = amend(file, self.before, after, comments)
-        self.sentences = [one.sentence for one in amendments]
-        self.changes = tuple(dict.fromkeys(one.attribute for one in amendments))
+        self.sentences = [amendment.sentence for amendment in amendments]
+        self.changes = tuple(dict.fromkeys(amendment.attribute for amendment in amendments))
         self.text, self.scene = file.text(self.sentences), file.written()
 
 

@@ -1,7 +1,7 @@
 """The amended ball in environments of Gymnasium, as the examples of the documentation have it."""
 
 import sys
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import gymnasium
 import mujoco
@@ -20,39 +20,18 @@ SHOT = (0.1, 1.3, 0.3, 0.2, -5.5, 1.2, -75.0, 20.0, 0.0)
 
 
 @pytest.fixture(scope="module")
-def examples():
-    """The wrapper, and the task, which imports the wrapper."""
-    folder = repository_root() / "docs/examples"
-    task = module_of_file(folder / "mujoco_interception.py")
-    return sys.modules["gymnasium_ball"], task
-
-
-@pytest.fixture(scope="module")
-def code(tmp_path_factory):
-    """ball_effects.py, of the literature."""
-    path = tmp_path_factory.mktemp("code") / "ball_effects.py"
-    export("literature", "mujoco", path)
-    return path
-
-
-@pytest.fixture(scope="module")
-def ball(code):
-    return module_of_file(code).Ball
-
-
-@pytest.fixture(scope="module")
-def wrapper(examples):
-    return examples[0].AmendedBall
-
-
-@pytest.fixture(scope="module")
-def task(examples):
-    return examples[1]
+def example(tmp_path_factory):
+    """The wrapper, the task, which imports the wrapper, and the ball of the literature's code."""
+    task = module_of_file(repository_root() / "docs/examples/mujoco_interception.py")
+    code = tmp_path_factory.mktemp("code") / "ball_effects.py"
+    export("literature", "mujoco", code)
+    wrapper, ball = sys.modules["gymnasium_ball"].AmendedBall, module_of_file(code).Ball
+    return SimpleNamespace(task=task, code=code, wrapper=wrapper, ball=ball)
 
 
 @pytest.fixture
-def amended(wrapper, task, ball):
-    return wrapper(task.Interception(), ball)
+def amended(example):
+    return example.wrapper(example.task.Interception(), example.ball)
 
 
 def of_gymnasium(task, monkeypatch):
@@ -89,46 +68,47 @@ def flown(env, ball, controls):
 
 
 @pytest.mark.parametrize("base", ["own", "gymnasium"])
-def test_the_ball_flies_as_the_simulator_and_again_after_a_reset(
-    wrapper, task, ball, base, monkeypatch
-):
+def test_the_ball_flies_as_the_simulator_and_again_after_a_reset(example, base, monkeypatch):
+    task = example.task
     plain = task.Interception() if base == "own" else of_gymnasium(task, monkeypatch)
-    env = wrapper(plain, ball)
+    env = example.wrapper(plain, example.ball)
     for _ in range(2):
-        states, times = flown(env, ball, 8)
+        states, times = flown(env, example.ball, 8)
         expected = LITERATURE.fly(np.array(SHOT), times)
         assert expected.contacts.count[0] == 1
         assert states == pytest.approx(expected.states[0], abs=1e-4)
 
 
-def test_observation_and_error_are_those_of_the_amended_ball(amended, task):
-    plain = task.Interception()
+def test_observation_and_error_are_those_of_the_amended_ball(amended, example):
+    plain = example.task.Interception()
     ends = []
     for env in (amended, plain):
         first, info = env.reset(seed=3)
         assert np.array_equal(first, plain.reset(seed=3)[0])
         while "error" not in info:
             _, reward, over, _, info = env.step(STILL)
-            assert over == ("error" in info) and reward == -info.get("error", 0.0) / task.FAR
+            assert (
+                over == ("error" in info) and reward == -info.get("error", 0.0) / example.task.FAR
+            )
         ends.append((env.unwrapped.data.time, info["error"]))
     (amended_end, amended_error), (plain_end, plain_error) = ends
     assert amended_end > plain_end + 0.1  # air slows the ball
     assert abs(amended_error - plain_error) > 0.01
 
 
-def test_a_scene_that_is_loaded_anew_has_the_amended_ball(wrapper, task, ball):
-    class Fresh(task.Interception):
+def test_a_scene_that_is_loaded_anew_has_the_amended_ball(example):
+    class Fresh(example.task.Interception):
         def reset(self, **options):
             super().__init__()
             return super().reset(**options)
 
-    env = wrapper(Fresh(), ball)
-    states, times = flown(env, ball, 3)
+    env = example.wrapper(Fresh(), example.ball)
+    states, times = flown(env, example.ball, 3)
     assert states == pytest.approx(LITERATURE.fly(np.array(SHOT), times).states[0], abs=1e-4)
 
 
-def test_controls_move_the_rest_of_the_scene_as_before(amended, task):
-    plain = task.Interception()
+def test_controls_move_the_rest_of_the_scene_as_before(amended, example):
+    plain = example.task.Interception()
     for env in (amended, plain):
         env.reset(seed=0)
         env.step(np.array([0.3, 0.5], dtype=np.float32))
@@ -137,8 +117,8 @@ def test_controls_move_the_rest_of_the_scene_as_before(amended, task):
     assert paddles[0][0] > 0.01
 
 
-def test_environments_follow_gymnasium(amended, task):
-    check_env(task.Interception(), skip_render_check=True)
+def test_environments_follow_gymnasium(amended, example):
+    check_env(example.task.Interception(), skip_render_check=True)
     check_env(amended, skip_render_check=True)
 
 
@@ -146,18 +126,19 @@ class NoSimulation(gymnasium.Env):
     model = mujoco.MjModel.from_xml_string("<mujoco/>")
 
 
-def test_what_cannot_be_wrapped_is_refused(wrapper, task, ball):
+def test_what_cannot_be_wrapped_is_refused(example):
+    wrapper, ball = example.wrapper, example.ball
     with pytest.raises(TypeError, match="CartPoleEnv has no scene of MuJoCo in `model` and `data`"):
         wrapper(gymnasium.make("CartPole-v1"), ball)
     with pytest.raises(TypeError, match=r"NoSimulation has no `do_simulation\(ctrl, n_frames\)`"):
         wrapper(NoSimulation(), ball)
     with pytest.raises(KeyError, match="bal"):
-        wrapper(task.Interception(), ball, body="bal")
+        wrapper(example.task.Interception(), ball, body="bal")
 
 
-def test_the_example_trains_and_prints_hits_and_errors(task, code, monkeypatch, capsys):
-    monkeypatch.setattr(task, "TESTED", 3)
-    task.main(str(code), steps=104)
+def test_the_example_trains_and_prints_hits_and_errors(example, monkeypatch, capsys):
+    monkeypatch.setattr(example.task, "TESTED", 3)
+    example.task.main(str(example.code), steps=104)
     head, *rows = capsys.readouterr().out.splitlines()
     assert head.split()[:2] == ["trained", "with"]
     assert len(rows) == 3 and all(row.endswith(" mm") and "%" in row for row in rows)

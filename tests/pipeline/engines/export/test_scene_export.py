@@ -3,16 +3,13 @@
 import pytest
 from typer.testing import CliRunner
 
-from rallygap.models.engines.mujoco.scene import MujocoScene
+from rallygap.models.engines.mujoco.stated import stated_effects
 from rallygap.pipeline.cli import app
 from rallygap.pipeline.engines.export.code import ball_effects
-from rallygap.pipeline.engines.export.code_engine import CodeEngine
 from rallygap.pipeline.engines.export.command import check_place, export_scene, former_scene
-from rallygap.pipeline.engines.export.scene.amended_scene import amended_scene
-from rallygap.pipeline.engines.export.scene.unsupported import unsupported
+from rallygap.pipeline.engines.export.scene.amended_scene import amended_scene, unsupported
 from rallygap.pipeline.engines.export.scene.verification import (
     VerificationShots,
-    agreement,
     scene_sentences,
 )
 from rallygap.pipeline.engines.load import load_scene
@@ -27,30 +24,39 @@ table_bounce: {restitution: 0.93, friction: 0.0}
 """
 
 
+POST = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+
+def few(simulator):
+    """Eight of the shots, for scenes."""
+    shots = VerificationShots.of(simulator)
+    return VerificationShots(shots.flights[::25], shots.bounces[::25])
+
+
+def not_stated(found, before):
+    """What the export says that no attribute states."""
+    return list(unsupported(found.scene, before, found.after, VerificationShots.of(found.after)))
+
+
 def test_the_command_writes_a_verified_scene_and_code(tmp_path):
-    source = file_of(tmp_path, SCENE)
+    source = file_of(tmp_path, SCENE.replace('"0.001"', '"0.002"'))
     (tmp_path / "amended.yaml").write_text(LIST)
     out = tmp_path / "out"
     words = ["export", str(tmp_path / "amended.yaml"), "--to", "mujoco"]
     words += ["--scene", str(source.path), "--out", str(out)]
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 0, result.output
-    assert sorted(one.name for one in out.iterdir()) == ["ball_effects.py", "scene.xml"]
+    assert sorted(path.name for path in out.iterdir()) == ["ball_effects.py", "scene.xml"]
     scene, text = load_scene(str(out / "scene.xml")), (out / "scene.xml").read_text()
-    assert does_drag(scene) == pytest.approx(0.47)
+    assert stated_effects(scene)["drag"]["cd"] == pytest.approx(0.47)
     assert "estimated 0.47 from lab (95 % 0.46 to 0.48)" in text
     said = result.output.splitlines()
     assert said[0] == "Changed attributes of lab.xml: fluidcoef, solref."
-    assert all(f"rallygap: {one}" in text for one in said[:4])
-    assert "scene.xml, RK4 at 1 ms: 200 shots differ from the list by at most 0.0" in result.output
+    assert all(f"rallygap: {line}" in text for line in said[:4])
+    assert "scene.xml, RK4 at 2 ms: 200 shots differ from the list by at most 0.0" in result.output
     assert "ball_effects.py: 40 shots differ from the list by at most 0.001 mm" in result.output
+    assert "belongs into the folder" not in result.output
     assert former_scene(out) == ["scene.xml"]
-
-
-def does_drag(scene: MujocoScene):
-    from rallygap.models.engines.mujoco.stated import stated_effects
-
-    return stated_effects(scene)["drag"]["cd"]
 
 
 @pytest.mark.parametrize(
@@ -84,9 +90,8 @@ def test_a_scene_of_the_user_is_never_replaced(tmp_path):
 def test_euler_does_not_meet_the_limit_and_the_step_that_does_is_given(tmp_path):
     text = SCENE.replace('integrator="RK4"', "").replace('"0.001"', '"0.004"')
     found = amended(tmp_path, text, {"drag": {"cd": 0.47}})
-    shots = VerificationShots.of(found.after).some()
-    said = list(scene_sentences(found.scene, found.after, shots, "scene.xml"))
-    assert said[0].startswith("scene.xml, Euler at 4 ms: 40 shots differ") and " over " in said[0]
+    said = list(scene_sentences(found.scene, found.after, few(found.after), "scene.xml"))
+    assert said[0].startswith("scene.xml, Euler at 4 ms: 8 shots differ") and " over " in said[0]
     assert said[-2].startswith("With RK4 at 4 ms, scene.xml flies within 0.0")
     assert "a contact lasts" in said[-1]
 
@@ -100,36 +105,20 @@ def test_what_no_attribute_says_is_said_with_its_cost(tmp_path):
         "time_offset": {"tau": 0.01},
     }
     found = amended(tmp_path, SCENE, changes)
-    shots = VerificationShots.of(found.after)
-    before = does(file_of(tmp_path, SCENE))
-    said = list(unsupported(found.scene, before, found.after, shots))
+    *costs, viscosity = not_stated(found, does(file_of(tmp_path, SCENE)))
     begins = ("spin_decay.c 0.02 1/m", "lift_saturation.kappa 1", "table_height.h 0.002 m (move")
-    assert len(said) == 4
-    for sentence in said[:3]:
-        start = next(one for one in begins if f"says {one}" in sentence)
-        assert "without it the ball is up to" in sentence, start
-    assert said[3].startswith("Viscosity, which says linear_drag.k1, also slows spin, by 0.1 of")
+    assert len(costs) == 3
+    for sentence in costs:
+        assert any(f"says {begin}" in sentence for begin in begins)
+        assert "without it the ball is up to" in sentence
+    assert viscosity.startswith("Viscosity, which says linear_drag.k1, also slows spin, by 0.1 of")
 
 
 def test_a_ball_whose_inertia_is_written_stays_solid_and_that_is_said(tmp_path):
     inertia = '<inertial pos="0 0 0" mass=".0027" diaginertia="4.3e-7 4.3e-7 4.3e-7"/>'
-    text = SCENE.replace('shellinertia="true"', "").replace(
-        "<freejoint/>", f"<freejoint/>{inertia}"
-    )
-    found = amended(tmp_path, text, {})
-    shots = VerificationShots.of(found.after)
-    said = list(unsupported(found.scene, found.after, found.after, shots))
-    assert said[0].startswith("The ball is no shell")
-
-
-def test_code_agrees_in_a_turned_scene_with_euler(tmp_path):
-    source = file_of(tmp_path, SCENE.replace('integrator="RK4"', "").replace(".001", ".002"))
-    after = changed(source, {"spin_decay": {"c": 0.02}, "table_bounce": {"friction": 0.3}})
-    ball = CodeEngine("ball", ball_effects(after, "list", [], "mujoco"), source.scene())
-    shots = VerificationShots.of(after)
-    some = VerificationShots(shots.flights[::25], shots.bounces[::25])
-    found = agreement(ball, after, some, 0.002, True)
-    assert found.flight.largest < 0.01 and found.bounce.largest < 0.01
+    text = SCENE.replace('shellinertia="true"', "")
+    found = amended(tmp_path, text.replace("<freejoint/>", f"<freejoint/>{inertia}"), {})
+    assert not_stated(found, found.after)[0].startswith("The ball is no shell")
 
 
 def amended_of(folder, text, changes):
@@ -140,7 +129,7 @@ def amended_of(folder, text, changes):
 
 
 def test_a_scene_that_cannot_be_amended_leaves_verified_code(tmp_path):
-    head = '<option density="1.2"><flag spring="disable" damper="disable"/></option>'
+    head = '<option timestep=".005"><flag spring="disable" damper="disable"/></option>'
     found = amended_of(tmp_path, plain(head=head), {"drag": {"cd": 0.47}})
     assert found.text is None and "passive forces" in str(found.problem)
     assert found.sentences[0] == f"There is no amended scene.xml: {found.problem}."
@@ -149,18 +138,14 @@ def test_a_scene_that_cannot_be_amended_leaves_verified_code(tmp_path):
 
 def test_what_the_written_scene_has_not_is_said(tmp_path):
     (tmp_path / "rest.xml").write_text('<mujoco><option density="1.2"/></mujoco>')
-    (tmp_path / "post.obj").write_text(
-        "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-    )
-    text = SCENE.replace("<worldbody>", '<include file="rest.xml"/><worldbody>')
-    head = '<asset><mesh file="post.obj"/></asset>'
-    with_paths = text.replace("<worldbody>", f"{head}<worldbody>")
+    (tmp_path / "post.obj").write_text(POST)
+    head = '<include file="rest.xml"/><asset><mesh file="post.obj"/></asset><worldbody>'
+    text = SCENE.replace("<worldbody>", head).replace('"0.001"', '"0.005"')
+    found = amended_of(tmp_path, text, {"gravity": {"g": 9.8}})
     own = "scene.xml belongs into the folder of lab.xml: its paths are relative to it."
-    for content, relative in ((text, False), (with_paths, True)):
-        found = amended_of(tmp_path, content, {"gravity": {"g": 9.8}})
-        assert any(one.startswith("MuJoCo writes scene.xml") for one in found.sentences)
-        assert (own in found.sentences) == relative
-        assert "All bodies" not in " ".join(found.sentences)
+    assert any(sentence.startswith("MuJoCo writes scene.xml") for sentence in found.sentences)
+    assert own in found.sentences
+    assert "All bodies" not in " ".join(found.sentences)
 
 
 def test_without_a_table_flights_alone_are_compared(tmp_path):
@@ -170,11 +155,11 @@ def test_without_a_table_flights_alone_are_compared(tmp_path):
         '<geom type="sphere" size=".02" mass=".0027"/></body></worldbody></mujoco>',
         {"drag": {"cd": 0.47}},
     )
-    shots = VerificationShots.of(found.after)
+    shots = few(found.after)
     assert found.changes == ("density", "fluidshape", "fluidcoef")
     assert len(shots.bounces) == 0
-    (said,) = scene_sentences(found.scene, found.after, shots.some(), "scene.xml")
-    assert said.startswith("scene.xml, RK4 at 2 ms: 40 shots differ from the list by at most 0.0")
+    (said,) = scene_sentences(found.scene, found.after, shots, "scene.xml")
+    assert said.startswith("scene.xml, RK4 at 2 ms: 8 shots differ from the list by at most 0.0")
     bouncing = found.after.amended("table_bounce", restitution=0.9, friction=0.2)
-    *_, last = scene_sentences(found.scene, bouncing, shots.some(), "scene.xml")
+    *_, last = scene_sentences(found.scene, bouncing, shots, "scene.xml")
     assert last == "scene.xml has no contact of ball and table, so bounces are not compared."

@@ -15,40 +15,29 @@ from rallygap.pipeline.engines.export.scene.verification import (
 from tests.pipeline.engines.export.scenes import SCENE, amended, does, file_of, plain
 
 # Contacts that are short: a bounce of 3 m/s comes late by 2.8 mm per millisecond of contact.
-STIFF = SCENE.replace('solref="-1000000 -30"', 'solref="-16000000 -120"').replace(
-    'timestep = "0.001"', 'timestep = "0.0001"'
-)
-STIFFEST = STIFF.replace("-16000000 -120", "-36000000 -180").replace('"0.0001"', '"0.00002"')
+STIFF = SCENE.replace("-1000000 -30", "-36000000 -180").replace('"0.001"', '"0.00002"')
 SMOOTH = '<option integrator="RK4" timestep=".001"/>'
 
 
-def flight_error(scene, simulator):
-    """Largest distance in mm after 0.6 s, over 40 shots."""
-    shots = VerificationShots.of(simulator).some()
-    return distances(scene, EffectsEngine("list", simulator), shots.flights, FLIGHT).largest
+def flight_error(found):
+    """Largest distance in mm after 0.6 s, over 20 shots."""
+    flights = VerificationShots.of(found.after).flights[::10]
+    return distances(found.scene, EffectsEngine("list", found.after), flights, FLIGHT).max()
 
 
 @pytest.mark.parametrize(
     "changes",
     [
-        {"drag": {"cd": 0.55}},
-        {"magnus": {"cm": -0.2}},
-        {"wind": {"x": 0.5, "y": -1.0, "z": 0.3}},
-        {"gravity": {"g": 9.7}, "frame_tilt": {"x": 0.03, "y": -0.02}},
+        {"wind": {"x": 0.5, "y": -1.0, "z": 0.3}, "magnus": {"cm": -0.2}},
+        {"gravity": {"g": 9.7}, "frame_tilt": {"x": 0.03, "y": -0.02}, "drag": {"cd": 0.55}},
         {"buoyancy": {"b": 1.0}, "added_mass": {"c": 1.0}},
+        {"linear_drag": {"k1": 0.1}, "magnus": {"cm": 0.0}},  # exact without spin or lift
         {"wind": {"x": 1.0}, "drag": {"cd": 0.4}, "magnus": {"cm": 0.3}, "frame_tilt": {"y": 0.1}},
     ],
 )
 @pytest.mark.parametrize("text", [SCENE, plain(head=SMOOTH)], ids=["turned", "plain"])
 def test_flights_are_those_of_the_list(tmp_path, text, changes):
-    found = amended(tmp_path, text, changes)
-    assert flight_error(found.scene, found.after) < 0.02
-
-
-def test_linear_drag_is_exact_without_spin(tmp_path):
-    changes = {"linear_drag": {"k1": 0.1}, "magnus": {"cm": 0.0}}
-    found = amended(tmp_path, SCENE, changes)
-    assert flight_error(found.scene, found.after) < 0.02
+    assert flight_error(amended(tmp_path, text, changes)) < 0.02
 
 
 def test_what_is_not_changed_keeps_what_the_time_step_makes_of_it(tmp_path):
@@ -56,22 +45,22 @@ def test_what_is_not_changed_keeps_what_the_time_step_makes_of_it(tmp_path):
     file = file_of(tmp_path, plain(head='<option timestep=".004" density="1.2"/>'))
     before = does(file).amended("gravity", g=9.85)
     amendments = amend(file, before, before.amended("drag", cd=0.47), [])
-    assert "gravity" not in [one.attribute for one in amendments]
+    assert "gravity" not in [amendment.attribute for amendment in amendments]
 
 
-@pytest.mark.parametrize("restitution", [0.8, 0.93])
-def test_bounces_are_those_of_the_list(tmp_path, restitution):
-    found = amended(tmp_path, STIFFEST, {"table_bounce": {"restitution": restitution}})
-    shots, known = VerificationShots.of(found.after).some(), EffectsEngine("list", found.after)
-    bounces = distances(found.scene, known, shots.bounces, BEFORE + AFTER)
+def test_bounces_are_those_of_the_list(tmp_path):
+    found = amended(tmp_path, STIFF, {"table_bounce": {"restitution": 0.93}})
+    states = VerificationShots.of(found.after).bounces[::10]
+    sizes = distances(found.scene, EffectsEngine("list", found.after), states, BEFORE + AFTER)
     assert found.changes == ("solref",)
-    assert len(shots.bounces) > 30
-    assert bounces.most < 3.0 and bounces.largest < 4.0  # restitutions scatter by .002
+    assert len(states) > 10
+    assert np.quantile(sizes, 0.95) < 3.0 and sizes.max() < 4.0  # restitutions scatter by .002
 
 
-@pytest.mark.parametrize(("step", "tolerance"), [(5e-4, 0.01), (2e-3, 0.02)])
-@pytest.mark.parametrize("solimp", ["", 'solimp=".5 .95 .002"'])
-def test_the_restitution_is_solved_for_the_scene(tmp_path, step, tolerance, solimp):
+@pytest.mark.parametrize(
+    ("step", "solimp", "tolerance"), [(5e-4, "", 0.01), (2e-3, 'solimp=".5 .95 .002"', 0.02)]
+)
+def test_the_restitution_is_solved_for_the_scene(tmp_path, step, solimp, tolerance):
     """The default contact becomes stiffer; at 2 ms, its impedance and the steps matter."""
     ball = f'mass=".0027" shellinertia="true" friction="0 0 0" {solimp}'
     text = plain(ball, f'<option timestep="{step}" integrator="RK4"/>')

@@ -10,9 +10,7 @@ NAME = "competitive_robot_table_tennis"
 
 def test_launches_are_states_as_they_are(tmp_path):
     write_competitive(tmp_path)
-
     gathered = read(tmp_path, NAME)
-
     launches = gathered.launches.set_index("launch_id")
     assert list(launches.index) == [f"{NAME}/rallies/7", f"{NAME}/rallies/8", f"{NAME}/serves/0"]
     state = [0.1, 1.2, 0.4, 0.5, -5.0, 1.5, 62.8, -5.8, -7.6]
@@ -39,18 +37,14 @@ def test_launches_are_states_as_they_are(tmp_path):
 )
 def test_an_impossible_state_is_refused_with_its_place(tmp_path, entry, reason):
     write_competitive(tmp_path, [launch(7), entry])
-
     record = read(tmp_path, NAME).manifest.sources[NAME]
-
     assert record.rows_refused[reason].rows == {"rallies.json": [2]}
     assert (record.rows_read, record.rows_kept) == (3, 2)
 
 
 def test_an_impossible_spin_is_refused_and_the_state_kept(tmp_path):
     write_competitive(tmp_path, [launch(7, w_vel_y=3001.0)])
-
     gathered = read(tmp_path, NAME)
-
     assert gathered.launches["wx"].isna().tolist() == [True, False]
     assert gathered.manifest.sources[NAME].labels_refused["spin above 3000 rad/s"].count == 1
 
@@ -58,7 +52,6 @@ def test_an_impossible_spin_is_refused_and_the_state_kept(tmp_path):
 @pytest.mark.parametrize("text", ['{"id": 1}', "[1, 2", "", "[" * 100_000, "[" + "1" * 5000 + "]"])
 def test_a_file_that_is_no_list_of_states_is_one_error(tmp_path, text):
     write_lines(write_competitive(tmp_path), [text])
-
     with pytest.raises(InputError, match=r"rallies\.json.*(JSON|nothing in it)"):
         read(tmp_path, NAME)
 
@@ -66,7 +59,6 @@ def test_a_file_that_is_no_list_of_states_is_one_error(tmp_path, text):
 @pytest.mark.real
 def test_the_real_launches_are_whole(real_data):
     gathered = read(real_data, NAME)
-
     record, launches = gathered.manifest.sources[NAME], gathered.launches
     assert record.launches == record.rows_read == 12655
     assert launches["launch_id"].str.contains("/serves/").sum() == 2168

@@ -11,9 +11,7 @@ from tests.pipeline.sources.made_up import PATH, SPIN, TIMES, lines, read, write
 def test_a_file_is_a_recording(tmp_path):
     write_csv(tmp_path, "monday.csv")
     write_csv(tmp_path, "tuesday.csv")
-
     recordings = read(tmp_path, "csv").recordings
-
     assert recordings["recording_id"].unique().tolist() == ["csv/monday", "csv/tuesday"]
     assert np.array_equal(recordings[["t", *POSITION_COLUMNS]][:4], np.column_stack([TIMES, PATH]))
     assert np.array_equal(recordings[SPIN_COLUMNS], np.tile(SPIN, (8, 1)))
@@ -22,32 +20,21 @@ def test_a_file_is_a_recording(tmp_path):
 @pytest.mark.parametrize("header", ["t,x,y,z", "t, x, y, z", "\ufefft,x,y,z"])
 def test_spin_may_be_left_out(tmp_path, header):
     write_csv(tmp_path, rows=[header, *lines(",", TIMES, PATH)])
-
     gathered = read(tmp_path, "csv")
-
     assert gathered.recordings[SPIN_COLUMNS].isna().all(axis=None)
     assert gathered.manifest.sources["csv"].spin == "none"
 
 
-def test_an_empty_spin_is_no_label(tmp_path):
-    rows = ["t,x,y,z,wx,wy,wz", "0,0,1,0.3,,,", "0.01,0,1,0.3,1,2,3", "0.02,0,1,0.3,nan,NaN,"]
-    write_csv(tmp_path, rows=rows)
-
+def test_an_empty_spin_is_no_label_and_half_of_one_is_refused(tmp_path):
+    spins = (",,", "1,2,3", "nan,NaN,", "1,,3")
+    rows = [f"0.0{number},0,1,0.3,{spin}" for number, spin in enumerate(spins)]
+    write_csv(tmp_path, rows=["t,x,y,z,wx,wy,wz", *rows])
     gathered = read(tmp_path, "csv")
-
-    assert gathered.recordings["wx"].isna().tolist() == [True, False, True]
-    assert gathered.manifest.sources["csv"].labels_refused == {}
-    assert gathered.manifest.sources["csv"].spin == "per_sample"
-
-
-def test_half_a_spin_is_refused_and_its_sample_kept(tmp_path):
-    write_csv(tmp_path, rows=["t,x,y,z,wx,wy,wz", "0,0,1,0.3,1,,3", "0.01,0,1,0.3,1,2,3"])
-
-    gathered = read(tmp_path, "csv")
-
     record = gathered.manifest.sources["csv"]
-    assert record.labels_refused["spin incomplete"].rows == {"session.csv": [2]}
-    assert gathered.recordings["wx"].isna().tolist() == [True, False]
+    assert gathered.recordings["wx"].isna().tolist() == [True, False, True, True]
+    assert list(record.labels_refused) == ["spin incomplete"]
+    assert record.labels_refused["spin incomplete"].rows == {"session.csv": [5]}
+    assert record.spin == "per_sample"
 
 
 def test_source_yaml_moves_positions_and_turns_spins(tmp_path):
@@ -55,9 +42,7 @@ def test_source_yaml_moves_positions_and_turns_spins(tmp_path):
     turned = "frame: {rotation: [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], offset: [0, 2, -0.76]}"
     rows = ["t,x,y,z,wx,wy,wz", "0,0.5,0.1,1.06,1,2,3", "0.01,0.6,0.1,1.06,1,2,3"]
     write_csv(tmp_path, rows=rows, settings=turned)
-
     first = read(tmp_path, "csv").recordings.iloc[0]
-
     assert first[POSITION_COLUMNS].to_numpy(float) == pytest.approx([0.1, 1.5, 0.3])
     assert first[SPIN_COLUMNS].tolist() == [2, -1, 3]
 
@@ -70,9 +55,7 @@ def test_source_yaml_states_units_and_axes_before_the_frame(tmp_path):
         """
     rows = ["t,x,y,z,wx,wy,wz", "5,100,1060,500,30,-60,90", "10,100,1060,500,,,"]
     write_csv(tmp_path, rows=rows, settings=settings)
-
     recordings = read(tmp_path, "csv").recordings
-
     assert recordings["t"].tolist() == [0.005, 0.01]
     assert recordings[POSITION_COLUMNS].iloc[0].tolist() == pytest.approx([0.1, 0.5, 0.3])
     assert recordings[SPIN_COLUMNS].iloc[0].tolist() == pytest.approx(
@@ -84,18 +67,14 @@ def test_source_yaml_states_units_and_axes_before_the_frame(tmp_path):
 def test_spins_that_are_plausible_in_their_unit_are_kept(tmp_path):
     rows = ["t,x,y,z,wx,wy,wz", "0,0,1,0.3,9000,0,0", "0.01,0,1,0.3,0,0,9000"]
     write_csv(tmp_path, rows=rows, settings="units: {spin: deg/s}")
-
     gathered = read(tmp_path, "csv")
-
     assert gathered.manifest.sources["csv"].labels_refused == {}
     assert gathered.recordings["wx"].iloc[0] == pytest.approx(50 * np.pi)
 
 
 def test_source_yaml_names_and_describes_the_source(tmp_path):
     write_csv(tmp_path, settings="{name: lab_b, kind: cannon, rate: 143, licence: CC0}")
-
     gathered = read(tmp_path, "csv")
-
     record = gathered.manifest.sources["lab_b"]
     assert (record.kind, record.licence, record.stated_rate_hz) == ("cannon", "CC0", 143)
     assert gathered.recordings["recording_id"].iloc[0] == "lab_b/session"
@@ -130,13 +109,11 @@ def test_source_yaml_names_and_describes_the_source(tmp_path):
 )
 def test_a_source_yaml_that_says_nonsense_is_one_error(tmp_path, text, field):
     write_csv(tmp_path, settings=text)
-
     with pytest.raises(InputError, match=rf"source\.yaml.*{field}"):
         read(tmp_path, "csv")
 
 
 def test_an_own_source_cannot_take_the_name_of_another(tmp_path):
     write_csv(tmp_path, settings="name: arena")
-
     with pytest.raises(InputError, match="two sources are called arena"):
         read(tmp_path, "arena", "csv")

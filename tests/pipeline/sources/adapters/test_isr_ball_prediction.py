@@ -18,9 +18,7 @@ def change(path, name, value):
 
 def test_shots_keep_their_order_and_are_turned_towards_the_robot_over_the_table(tmp_path):
     write_isr(tmp_path)
-
     recordings = read(tmp_path, "isr_ball_prediction").recordings
-
     names = recordings["recording_id"].unique()
     assert [name[-3:] for name in names] == ["000", "002", "010"]
     shot = recordings[recordings["recording_id"] == "isr_ball_prediction/no_spin_000"]
@@ -31,69 +29,50 @@ def test_shots_keep_their_order_and_are_turned_towards_the_robot_over_the_table(
 def test_a_refused_sample_is_named_with_its_shot(tmp_path):
     times = [*TIMES[:2], np.nan, TIMES[3]]
     change(write_isr(tmp_path), "originals/2/time_stamps", times)
-
     record = read(tmp_path, "isr_ball_prediction").manifest.sources["isr_ball_prediction"]
-
     assert record.rows_refused["not a number"].rows == {"no_spin.hdf5/originals/2": [3]}
 
 
 @pytest.mark.parametrize(
-    ("name", "value"),
+    ("changes", "problem"),
     [
-        ("originals", None),
-        ("originals", 1.0),
-        ("originals/0/positions", None),
-        ("originals/0/positions", np.zeros((4, 2))),
-        ("originals/0/positions", np.zeros((5, 3))),
-        ("originals/0/time_stamps", np.array([b"a", b"b", b"c", b"d"])),
-        ("originals/0/time_stamps", 0.0),
+        ({"originals": None}, ""),
+        ({"originals": 1.0}, ""),
+        ({"originals/0/positions": None}, ""),
+        ({"originals/0/positions": np.zeros((4, 2))}, ""),
+        ({"originals/0/positions": np.zeros((5, 3))}, ""),
+        ({"originals/0/time_stamps": np.array([b"a", b"b", b"c", b"d"])}, ""),
+        ({"originals/0/time_stamps": 0.0}, ""),
+        ({f"originals/{shot}": None for shot in (0, 2, 10)}, "there is no shot in it"),
+        (
+            {"originals/2/time_stamps": np.zeros(0), "originals/2/positions": np.zeros((0, 3))},
+            "shot 2 has no samples",
+        ),
+        (
+            {"originals/2/time_stamps": TIMES[:, None], "originals/2/positions": PATH[:, None]},
+            "shot 2 has",
+        ),
     ],
 )
-def test_another_hdf5_file_is_one_error(tmp_path, name, value):
-    change(write_isr(tmp_path), name, value)
-
-    with pytest.raises(InputError, match=r"no_spin\.hdf5: is no whole HDF5 file"):
-        read(tmp_path, "isr_ball_prediction")
-
-
-@pytest.mark.parametrize(
-    ("times", "positions", "problem"),
-    [
-        (np.zeros(0), np.zeros((0, 3)), "shot 2 has no samples"),
-        (TIMES[:, None], PATH[:, None], "shot 2 has"),
-    ],
-)
-def test_a_shot_of_another_shape_is_one_error(tmp_path, times, positions, problem):
+def test_another_hdf5_file_is_one_error(tmp_path, changes, problem):
     path = write_isr(tmp_path)
-    change(path, "originals/2/time_stamps", times)
-    change(path, "originals/2/positions", positions)
-
-    with pytest.raises(InputError, match=problem):
-        read(tmp_path, "isr_ball_prediction")
-
-
-def test_a_file_without_shots_is_one_error(tmp_path):
-    write_isr(tmp_path, shots=())
-    with h5py.File(tmp_path / "isr_ball_prediction" / "no_spin.hdf5", "r+") as file:
-        file.create_group("originals")
-
-    with pytest.raises(InputError, match="there is no shot in it"):
+    for name, value in changes.items():
+        change(path, name, value)
+    with pytest.raises(InputError, match=rf"no_spin\.hdf5: is no whole HDF5 file.*{problem}"):
         read(tmp_path, "isr_ball_prediction")
 
 
 def test_two_shots_of_one_name_are_one_error(tmp_path):
     write_isr(tmp_path, shots=("1", "01"))
-
     with pytest.raises(InputError, match=r"/originals/0?1: there is another recording no_spin_001"):
         read(tmp_path, "isr_ball_prediction")
 
 
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("share", [0.1, 0.9])
 def test_a_truncated_file_is_one_error(tmp_path, share):
     path = write_isr(tmp_path)
     content = path.read_bytes()
     path.write_bytes(content[: int(share * len(content))])
-
     with pytest.raises(InputError, match="is no whole HDF5 file"):
         read(tmp_path, "isr_ball_prediction")
 
@@ -101,7 +80,6 @@ def test_a_truncated_file_is_one_error(tmp_path, share):
 @pytest.mark.real
 def test_the_real_shots_bounce_on_the_table(real_data):
     gathered = read(real_data, "isr_ball_prediction")
-
     record, recordings = gathered.manifest.sources["isr_ball_prediction"], gathered.recordings
     assert record.recordings == 73
     assert record.rows_kept == record.rows_read

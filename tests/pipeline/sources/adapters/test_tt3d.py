@@ -9,9 +9,7 @@ from tests.pipeline.sources.made_up import PATH, TIMES, read, write_tt3d
 
 def test_positions_and_the_running_clock_are_left_as_they_are(tmp_path):
     write_tt3d(tmp_path)
-
     gathered = read(tmp_path, "tt3d")
-
     recordings = gathered.recordings
     assert set(recordings["recording_id"]) == {"tt3d/003"}
     assert np.array_equal(recordings["t"], TIMES + 15.0)
@@ -23,7 +21,6 @@ def test_positions_and_the_running_clock_are_left_as_they_are(tmp_path):
 @pytest.mark.real
 def test_the_real_rallies_are_whole_and_on_the_table(real_data):
     gathered = read(real_data, "tt3d")
-
     record, recordings = gathered.manifest.sources["tt3d"], gathered.recordings
     assert record.recordings == len(list((real_data / "tt3d").glob("*.csv")))
     assert record.rows_kept == record.rows_read == 7135
