@@ -11,6 +11,7 @@ from itertools import compress
 
 import numpy as np
 
+from rallygap.models.ball.types import Integers
 from rallygap.models.predictors.protocol import (
     FUTURE_TIMES,
     HISTORY,
@@ -72,7 +73,7 @@ class Windows:
     def __len__(self) -> int:
         return len(self.anchors)
 
-    def __getitem__(self, rows: slice) -> "Windows":
+    def __getitem__(self, rows: slice | Integers) -> "Windows":
         return Windows(*(part[rows] for part in vars(self).values()))
 
 

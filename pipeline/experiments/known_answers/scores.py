@@ -12,9 +12,8 @@ from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.name.distortion import CAMERA
 from rallygap.models.gap.verdict import Cause, Verdict
 from rallygap.pipeline.experiments.known_answers.design import DISTORTION, Question, true_values
-from rallygap.pipeline.gap.wording import interval_text
 from rallygap.pipeline.io.metrics import rounded
-from rallygap.pipeline.web.numbers import number
+from rallygap.pipeline.web.numbers import interval_text, number
 
 COLUMNS = [
     *("set", "fold", "place", "planted", "size", "value"),
