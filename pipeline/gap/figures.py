@@ -18,9 +18,9 @@ from rallygap.models.ball.types import Floats
 from rallygap.models.gap.location import Growth, Located
 from rallygap.models.gap.types import PHASES, Phase
 from rallygap.models.gap.verdict import Cause, Gap, Verdict
-from rallygap.pipeline.gap.summary import KIND_NAMES, PLACES, SIGNIFICANT, p_text, percent
 from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, INK, MUTED
-from rallygap.pipeline.web.numbers import number, with_unit
+from rallygap.pipeline.web.labels import KIND_NAMES, PLACES
+from rallygap.pipeline.web.numbers import SIGNIFICANT, number, p_text, percent, with_unit
 from rallygap.pipeline.web.report_items import ReportFigure
 
 KIND_COLOURS = {"wrong_value": "#0f7fc4", "missing_effect": "#d55e00"}

@@ -11,7 +11,6 @@ from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.settings import GapSettings
-from rallygap.models.gap.types import Phase
 from rallygap.models.gap.verdict import (
     Cause,
     Check,
@@ -24,25 +23,25 @@ from rallygap.models.gap.verdict import (
 from rallygap.models.gap.verify.limitations import experiment
 from rallygap.models.predictors.ball_filter import Expected
 from rallygap.pipeline.gap.measured_shots import LabelCounts, MeasuredShots
-from rallygap.pipeline.web.numbers import interval_text, number, with_unit
+from rallygap.pipeline.web.labels import PLACES
+from rallygap.pipeline.web.numbers import (
+    SIGNIFICANT,
+    interval_text,
+    number,
+    p_text,
+    percent,
+    with_unit,
+)
 
 if TYPE_CHECKING:
     from rallygap.pipeline.engines.export.scene.amended_scene import AmendedScene
 
-PLACES: dict[Phase, str] = {
-    "flight": "in flight",
-    "table": "at the table",
-    "sensor": "in the measurement",
-}
 ROLES: dict[Role, str] = {
     "leading": "leading cause",
     "sensor": "sensor fault",
     "minor": "minor structure",
 }
-KIND_NAMES = {"wrong_value": "wrong value", "missing_effect": "missing effect"}
 TYPICAL_MS = 200  # the horizon of the summary, where shots are that long
-SIGNIFICANT = 0.05  # p-value up to which a covariate is reported
-SMALLEST_P = 1e-3
 MOST_LISTED = 3  # names in a sentence; tables list all
 
 # What a failed check says, by its ratio and the largest allowed one, plain and in percent; and
@@ -293,16 +292,6 @@ def detection_lines(measured: MeasuredShots, limits: DetectionLimits) -> Iterato
         yield f"  {identity:<{width}}  {with_unit(size, unit)}"
     if limits.not_identifiable:
         yield f"Not identifiable: {', '.join(limits.not_identifiable)}."
-
-
-def percent(share: float) -> str:
-    """Return a share in percent."""
-    return f"{100 * share:.0f} %"
-
-
-def p_text(p_value: float) -> str:
-    """Return a p-value as in a sentence, such as ``p = 0.02``."""
-    return f"p < {SMALLEST_P:g}" if p_value < SMALLEST_P else f"p = {p_value:.2g}"
 
 
 def listed(names: Sequence[str]) -> str:

@@ -7,20 +7,19 @@ from typing import Any
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.verdict import Cause, Gap, Verdict
 from rallygap.pipeline.gap.summary import (
-    KIND_NAMES,
     ROLES,
     Findings,
     answer_title,
     episodes_text,
     labels_text,
     minor_causes,
-    percent,
     reasons_text,
     title,
 )
 from rallygap.pipeline.web.environment import page_environment
 from rallygap.pipeline.web.items import page_table, shown_figure
-from rallygap.pipeline.web.numbers import interval_text, number, with_unit
+from rallygap.pipeline.web.labels import KIND_NAMES
+from rallygap.pipeline.web.numbers import interval_text, number, percent, with_unit
 from rallygap.pipeline.web.report_items import ReportFigure
 
 TEMPLATES = Path(__file__).parent / "templates"

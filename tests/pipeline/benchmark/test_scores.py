@@ -14,7 +14,6 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
-from rallygap.models.predictors.windows import cut_windows
 from rallygap.pipeline.benchmark.scores import score, score_tables, write_scores
 from rallygap.pipeline.benchmark.windows import export_windows, run_sets, window_table
 from rallygap.pipeline.cli import app
@@ -24,8 +23,7 @@ from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.evaluate_predictor import evaluate_predictor
 from tests.pipeline.benchmark.forecasting import ZeroPredictor, forecasts_of
-from tests.pipeline.measured_shots import params, write_inputs, write_trained
-from tests.stages.small_runs import run_ingest, run_segment
+from tests.pipeline.measured_shots import params, write_inputs
 
 REPOSITORY = Path(__file__).parents[3]
 NUMBERS = ["mean", "std", "n", "ci_low", "ci_high"]
@@ -94,22 +92,6 @@ def test_a_file_named_like_one_of_our_predictors_is_an_error(tmp_path, root, set
     forecasts_of(ZeroPredictor(), window_table(sets)).to_parquet(path, index=False)
     with pytest.raises(InputError, match="is called as a predictor of the run; give it another"):
         score(root, params(), path)
-
-
-@pytest.mark.real
-def test_windows_of_a_public_set_are_exported_and_scored(tmp_path, real_data):
-    run_ingest(tmp_path, real_data, ["tt3d"])
-    run_segment(tmp_path)
-    write_trained(tmp_path, "tiny")
-    sets = run_sets(tmp_path, params())
-    export_windows(sets, tmp_path / "windows")
-    exported = pd.read_parquet(tmp_path / "windows" / "windows.parquet")
-    flights = [one for one in sets[0].episodes if len(cut_windows(one.episode, every=0.05))]
-    assert exported["window_id"].nunique() == len(flights) > 10
-    scores = scored(tmp_path, forecasts_of(ZeroPredictor(), exported), tmp_path)
-    errors = scores.query("quantity == 'position' and horizon_ms == 100")
-    by_name = errors.set_index("predictor")["mean"]
-    assert by_name["physics_true"] < 0.2 * by_name["mine.parquet"]
 
 
 @pytest.fixture
