@@ -30,7 +30,7 @@ from rallygap.pipeline.experiments.real_forecasts import (
 from rallygap.pipeline.gap.amended_files import amended_simulators
 from rallygap.pipeline.gap.expected_balls import expected_balls
 from rallygap.pipeline.gap.folds import fold_numbers
-from rallygap.pipeline.gap.measured_shots import read_measured_episodes
+from rallygap.pipeline.gap.measured_shots import read_recordings
 from rallygap.pipeline.gap.shots import shots_of, source_shots
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import EvaluatePredictorSettings, Params
@@ -86,7 +86,7 @@ def _shown(parts: Mapping[tuple[str], pd.DataFrame]) -> pd.DataFrame:
 
 
 def _folds(folder: Path, name: str) -> list[Fold]:
-    episodes = read_measured_episodes(folder, name)
+    episodes = read_recordings(folder, name).episodes()
     recordings = np.array([one.recording_id for one in episodes])
     parts = list(zip(episodes, fold_numbers(name, recordings, FOLDS), strict=True))
     return [

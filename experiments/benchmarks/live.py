@@ -27,8 +27,7 @@ from rallygap.models.predictors.spread import Spread
 from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, read_predictors
 from rallygap.pipeline.io.artifacts import read_table, write_json
 from rallygap.pipeline.io.simulators import load_simulator
-from rallygap.pipeline.live.messages import Measurement
-from rallygap.pipeline.live.streams import measurements
+from rallygap.pipeline.live.messages import Measurement, measurements
 from rallygap.pipeline.params import load_params, read_yaml
 from rallygap.pipeline.runtime.progress import progress
 

@@ -1,6 +1,12 @@
-"""The audit of an engine: its effects with their values, and what no effect explains."""
+"""The audit of an engine: its effects with their values, and what no effect explains.
 
-from collections.abc import Callable
+There is no noise, and first states are known. So an effect is not a matter of significance: it is
+named if it matters by more than a threshold in millimetres. Effects are added one after the other,
+each time the one that leaves least, and all values are fitted again (Gauss and Newton). At the end
+those that hardly matter are taken out.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import ceil
 from time import monotonic
@@ -8,8 +14,7 @@ from time import monotonic
 import numpy as np
 
 from rallygap.models.audit.bounces import Bounces
-from rallygap.models.audit.probes import Probes, bounce_probes, flight_probes
-from rallygap.models.audit.selection import Flown, selected, without
+from rallygap.models.audit.probes import Flown, Probes, bounce_probes, flight_probes, rms
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import SPIN
 from rallygap.models.engines.engine import Engine, EngineError
@@ -32,6 +37,10 @@ FEWEST = 24  # probes of a phase
 SAME_SPIN = 0.01  # relative, of spins that an engine has cut alike
 FEWEST_MET = 0.5  # of the bounce probes; with fewer there is no table
 FEWEST_BOUNCES = 0.5  # of the bounce probes; with fewer its contact is dead
+
+LEAST = 0.02  # mm, root mean square, that an effect has to remove
+ROUNDS = 6  # of Gauss and Newton; flights are nearly linear in the values
+CONVERGED = 1e-6  # mm
 
 
 @dataclass(frozen=True)
@@ -163,13 +172,14 @@ def _effects(flown: Flown, simulator: Simulator) -> tuple[Simulator, tuple[Found
         and hypothesis not in always
         and hypothesis.identity not in NOT_SEPARABLE
     ]
-    simulator, chosen = selected(flown, simulator, always, candidates)
+    simulator, others = _selected(flown, simulator, always, candidates)
+    chosen = [*always, *others]
     left = _unexplained(flown, simulator).median_mm
     effects = []
     for hypothesis in chosen:
         worth = np.nan
         if hypothesis not in always:
-            reduced = without(flown, simulator, chosen, hypothesis)
+            reduced = _without(flown, simulator, chosen, hypothesis)
             worth = _unexplained(flown, reduced).median_mm - left
         effects.append(FoundEffect(hypothesis, hypothesis.value(simulator), worth))
     return simulator, tuple(effects)
@@ -178,3 +188,79 @@ def _effects(flown: Flown, simulator: Simulator) -> tuple[Simulator, tuple[Found
 def _unexplained(flown: Flown, simulator: Simulator) -> Unexplained:
     distances = flown.distances(simulator)[:, -1]
     return Unexplained(float(np.median(distances)), float(distances.max()))
+
+
+def _selected(
+    flown: Flown,
+    simulator: Simulator,
+    always: Sequence[Hypothesis],
+    candidates: list[Hypothesis],
+) -> tuple[Simulator, list[Hypothesis]]:
+    """Return the simulator with the values that the engine has, and the candidates that matter.
+
+    Args:
+        flown: by the engine.
+        simulator: to begin with.
+        always: parameters that every engine has.
+        candidates: others that it may have.
+    """
+    simulator = _fitted(flown, simulator, always)
+    chosen: list[Hypothesis] = []
+    while candidates:
+        best = _most_useful(flown, simulator, [*always, *chosen], candidates)
+        trial = _fitted(flown, simulator, [*always, *chosen, best])
+        if flown.rms(simulator) - flown.rms(trial) < LEAST:
+            break
+        simulator, chosen = trial, [*chosen, best]
+        candidates.remove(best)
+    while chosen:
+        parameters = [*always, *chosen]
+        reduced = {other: _without(flown, simulator, parameters, other) for other in chosen}
+        idle = min(chosen, key=lambda other: flown.rms(reduced[other]))
+        if flown.rms(reduced[idle]) - flown.rms(simulator) >= LEAST:
+            break
+        simulator = reduced[idle]
+        chosen.remove(idle)
+    return simulator, chosen
+
+
+def _fitted(flown: Flown, simulator: Simulator, parameters: Sequence[Hypothesis]) -> Simulator:
+    """Return the simulator with the values of parameters that come closest to the engine."""
+    for _ in range(ROUNDS):
+        before = flown.residuals(simulator).ravel()
+        steps = np.linalg.lstsq(flown.slopes(simulator, parameters), -before, rcond=None)[0]
+        values = {
+            (one.effect, one.parameter): one.value(simulator) + step
+            for one, step in zip(parameters, steps, strict=True)
+        }
+        trial = simulator.with_values(values)  # within their bounds
+        gain = rms(before) - flown.rms(trial)
+        if gain > 0.0:
+            simulator = trial
+        if gain < CONVERGED:
+            break
+    return simulator
+
+
+def _without(
+    flown: Flown, simulator: Simulator, parameters: Sequence[Hypothesis], idle: Hypothesis
+) -> Simulator:
+    """Return the simulator with one parameter neutral and the values of the others fitted again."""
+    others = [parameter for parameter in parameters if parameter != idle]
+    return _fitted(flown, idle.at(simulator, idle.declaration.neutral), others)
+
+
+def _most_useful(
+    flown: Flown, simulator: Simulator, chosen: Sequence[Hypothesis], left: Sequence[Hypothesis]
+) -> Hypothesis:
+    """Return the parameter that, to first order, leaves least together with those chosen."""
+    here = flown.residuals(simulator).ravel()
+    known = np.linalg.qr(flown.slopes(simulator, chosen))[0]
+    rest = here - known @ (known.T @ here)
+    columns = flown.slopes(simulator, left)
+    own = columns - known @ (known.T @ columns)
+    sizes = np.linalg.norm(own, axis=0)
+    # What is a combination of those chosen adds nothing.
+    new = sizes > 1e-3 * np.linalg.norm(columns, axis=0)
+    gains = np.where(new, (own.T @ rest) ** 2 / np.maximum(sizes, 1e-12) ** 2, 0.0)
+    return left[int(gains.argmax())]

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rallygap.models.audit.probes import GRAVITY
-from rallygap.models.audit.selection import Flown
+from rallygap.models.audit.probes import GRAVITY, Flown
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import BALL_RADIUS, SPIN, VELOCITY
 from rallygap.models.ball.types import Bools, Floats
@@ -58,12 +57,19 @@ class Bounces:
             simulator: with the engine's flight.
         """
         flight, after = simulator.without_surfaces(), flown.states[:, 0]
-        moments = _moments(flown.probes.states)[:, None]
-        before = flight.fly(flown.probes.states, moments).states[:, 0]
+        first = flown.probes.states
+        above, fall = first[:, 2] - BALL_RADIUS, -first[:, 5]
+        # s until balls meet the table, under gravity alone.
+        moments = ((np.sqrt(fall**2 + 2 * GRAVITY * above) - fall) / GRAVITY)[:, None]
+        before = flight.fly(first, moments).states[:, 0]
         since = flown.probes.times[0] - moments
         risen = flight.fly(after, -since).states[:, 0]
         bounced = (after[:, 2] > BALL_RADIUS) & (risen[:, 5] > 0.0)
-        slip = np.linalg.norm(_slip(before), axis=1)
+        spin, velocity = before[:, SPIN], before[:, VELOCITY]
+        # Of the lowest points.
+        across = velocity[:, 0] - BALL_RADIUS * spin[:, 1]
+        along = velocity[:, 1] + BALL_RADIUS * spin[:, 0]
+        slip = np.linalg.norm(np.stack([across, along], axis=1), axis=1)
         change = np.linalg.norm((risen - before)[:, VELOCITY][:, :2], axis=1)
         return cls(
             after[:, 5] > MET * before[:, 5],
@@ -73,17 +79,3 @@ class Bounces:
             -before[:, 5],
             slip,
         )
-
-
-def _moments(first: Floats) -> Floats:
-    """Return (B,) s until balls meet the table, under gravity alone."""
-    above, fall = first[:, 2] - BALL_RADIUS, -first[:, 5]
-    moments: Floats = (np.sqrt(fall**2 + 2 * GRAVITY * above) - fall) / GRAVITY
-    return moments
-
-
-def _slip(states: Floats) -> Floats:
-    """Return (B, 2) velocities of the lowest points of balls, m/s."""
-    spin, velocity = states[:, SPIN], states[:, VELOCITY]
-    across = velocity[:, 0] - BALL_RADIUS * spin[:, 1]
-    return np.stack([across, velocity[:, 1] + BALL_RADIUS * spin[:, 0]], axis=1)

@@ -1,16 +1,19 @@
-"""Probe shots: states of balls that show every effect of flight and of the bounce.
+"""Probe shots: states of balls that show every effect of flight and of the bounce; their flights.
 
 Flights start high above the middle of the table and meet nothing. Bounces start just above the
 table, on the half that they leave, so they meet no net.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
-from rallygap.models.ball.state import BALL_RADIUS
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import BALL_RADIUS, POSITION, SPIN
 from rallygap.models.ball.types import Floats
+from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.types import Phase
 
 FLIGHT_TIMES: Floats = 0.05 * np.arange(1.0, 9.0)  # s
@@ -29,6 +32,9 @@ FALLS = (1.5, 3.0, 5.0)  # m/s
 PACES = (0.0, 2.0, 6.0, 11.0)  # m/s along the table
 BOUNCE_SPINS = (0.0, 150.0, -150.0, 350.0, -350.0)  # rad/s
 PLACES = ((-0.4, 0.5), (0.0, 0.7), (0.3, 0.4))  # m, of the first state, from the net
+
+MM = 1e3  # in a metre
+MM_PER_SPIN = 0.2  # mm that a rad/s counts as; about its Magnus effect on the rest of a flight
 
 
 @dataclass(frozen=True)
@@ -51,6 +57,48 @@ class Probes:
     def __getitem__(self, rows: slice) -> "Probes":
         """Return some of the shots."""
         return Probes(self.phase, self.states[rows], self.times)
+
+
+@dataclass(frozen=True)
+class Flown:
+    """Flights of probe shots by an engine.
+
+    Attributes:
+        probes: the B shots.
+        states: (B, T, 9) of the engine.
+    """
+
+    probes: Probes
+    states: Floats
+
+    def residuals(self, simulator: Simulator) -> Floats:
+        """Return (B, T, 6) differences of a simulator's positions, mm, and of its scaled spins."""
+        own = simulator.fly(self.probes.states, self.probes.times).states
+        away = own - self.states
+        positions, spins = MM * away[..., POSITION], MM_PER_SPIN * away[..., SPIN]
+        return np.concatenate([positions, spins], axis=-1)
+
+    def rms(self, simulator: Simulator) -> float:
+        """Return the root mean square of the residuals of a coordinate, mm."""
+        return rms(self.residuals(simulator))
+
+    def distances(self, simulator: Simulator) -> Floats:
+        """Return (B, T) distances of a simulator's positions, mm."""
+        return np.linalg.norm(self.residuals(simulator)[..., :3], axis=-1)
+
+    def slopes(self, simulator: Simulator, parameters: Sequence[Hypothesis]) -> Floats:
+        """Return (B T 6, P) derivatives of the residuals, flattened, by parameters."""
+        here, columns = self.residuals(simulator), []
+        for parameter in parameters:
+            near = parameter.nearby(simulator)
+            change = self.residuals(parameter.at(simulator, near)) - here
+            columns.append((change / (near - parameter.value(simulator))).ravel())
+        return np.stack(columns, axis=-1)
+
+
+def rms(residuals: Floats) -> float:
+    """Return the root mean square of residuals."""
+    return float(np.sqrt(np.mean(residuals**2)))
 
 
 def flight_probes() -> Probes:

@@ -37,12 +37,6 @@ class Trap:
     cost_mm: float | None = None
 
 
-DEAD_CONTACT = Trap(
-    "dead_contact", "The contact is dead: balls sink into the table, or stay on it."
-)
-NO_TABLE = Trap("no_table", "Balls do not bounce: there is no table where z is zero.")
-
-
 def traps(audit: Audit) -> tuple[Trap, ...]:
     """Return the traps in what an engine does."""
     return (*_of_flight(audit), *_of_table(audit))
@@ -69,8 +63,12 @@ def _of_flight(audit: Audit) -> Iterator[Trap]:
 
 def _of_table(audit: Audit) -> Iterator[Trap]:
     bounces = audit.bounces
+    if bounces is None and audit.has_table:
+        sentence = "The contact is dead: balls sink into the table, or stay on it."
+        yield Trap("dead_contact", sentence)
+    elif bounces is None:
+        yield Trap("no_table", "Balls do not bounce: there is no table where z is zero.")
     if bounces is None:
-        yield DEAD_CONTACT if audit.has_table else NO_TABLE
         return
     if bounces.restitution_scatter > SCATTER:
         low, high = np.nanmin(bounces.restitution), np.nanmax(bounces.restitution)

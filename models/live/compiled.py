@@ -41,7 +41,7 @@ OPSET = 23  # the first with an operator for attention
 SLOWER = ["MatMulAddFusion", "SkipLayerNormFusion"]  # for the few rows of one window
 LARGE = 2_000_000  # parameters of a network, from which integers are faster
 EXACT = {"spread", "network.network.projection"}  # modules whose matrices stay as they are
-SCOPES = "pkg.torch.onnx.name_scopes"  # where the exporter notes the modules of an operator
+SCOPES = "pkg.torch.onnx.name_scopes"  # where the exporter notes an operator's modules
 
 
 class CompiledPredictor:
@@ -65,7 +65,8 @@ class CompiledPredictor:
         if isinstance(network.network, Transformer):
             network.network.read_only(_states(horizons))
         self._baseline = network.physics
-        self._session = _session(_Graph(network, predictor.spread).eval())
+        model = _exported(_Graph(network, predictor.spread).eval())
+        self._session = _run_by(_quantised(model) if network.parameter_count > LARGE else model)
 
     def predict(self, history: History) -> Forecast:
         """Forecast one ball."""
@@ -102,23 +103,9 @@ class _Graph(nn.Module):
         factors = self.network.factors(self.spread, history, mask, motion)
         return self.network.corrected(history, mask, motion), factors.mT @ factors
 
-    @property
-    def example(self) -> dict[str, Tensor]:
-        """Inputs for one ball, by name."""
-        mask = torch.ones(1, HISTORY, 6, dtype=torch.bool)
-        given = {"history": torch.zeros(1, HISTORY, 6), "mask": mask}
-        hybrid = self.network.physics is not None
-        return {**given, "motion": torch.zeros(1, FUTURE, 9)} if hybrid else given
-
-
-def _session(graph: _Graph) -> Any:
-    """Compile a graph; it runs on the thread that calls it."""
-    model = _exported(graph)
-    return _run_by(_quantised(model) if graph.network.parameter_count > LARGE else model)
-
 
 def _run_by(model: Any, **settings: Any) -> Any:
-    """Return a session of ONNX Runtime that runs a model, with settings of its options."""
+    """Return a session that runs a model on the thread that calls it, with settings of options."""
     import onnxruntime as runtime
 
     options = runtime.SessionOptions()
@@ -135,25 +122,45 @@ def _run_by(model: Any, **settings: Any) -> Any:
 
 def _exported(graph: _Graph) -> Any:
     """Return a graph as an ONNX model."""
-    example, names = tuple(graph.example.values()), list(graph.example)
+    example = {
+        "history": torch.zeros(1, HISTORY, 6),
+        "mask": torch.ones(1, HISTORY, 6, dtype=torch.bool),
+    }
+    if graph.network.physics is not None:
+        example["motion"] = torch.zeros(1, FUTURE, 9)
     with _silent():
         exported = torch.onnx.export(
-            graph, example, dynamo=True, verbose=False, input_names=names, opset_version=OPSET
+            graph,
+            tuple(example.values()),
+            dynamo=True,
+            verbose=False,
+            input_names=list(example),
+            opset_version=OPSET,
         )
     assert exported is not None  # only when a file is given
     return exported.model_proto
 
 
 def _quantised(model: Any) -> Any:
-    """Return an ONNX model that multiplies most of its matrices as integers."""
+    """Return an ONNX model that multiplies most of its matrices as integers.
+
+    Before that, what depends on no input becomes a constant, by way of a file.
+    """
     import onnx
+    from onnxruntime import GraphOptimizationLevel
     from onnxruntime.quantization import QuantType, quantize_dynamic
 
-    exact = [node.name for node in model.graph.node if EXACT & set(_scopes(node))]
+    exact = []
+    for node in model.graph.node:
+        notes = {note.key: note.value for note in node.metadata_props}
+        if EXACT & set(ast.literal_eval(notes.get(SCOPES, "[]"))):
+            exact.append(node.name)
     with _silent(), tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "quantised.onnx"
+        constants, path = Path(folder) / "constants.onnx", Path(folder) / "quantised.onnx"
+        level = GraphOptimizationLevel.ORT_ENABLE_BASIC
+        _run_by(model, graph_optimization_level=level, optimized_model_filepath=str(constants))
         quantize_dynamic(
-            _with_constants(model, Path(folder) / "constants.onnx"),
+            onnx.load(constants),
             path,
             op_types_to_quantize=["MatMul", "Gemm"],
             nodes_to_exclude=exact,
@@ -161,23 +168,6 @@ def _quantised(model: Any) -> Any:
             extra_options={"MatMulConstBOnly": True},
         )
         return onnx.load(path)
-
-
-def _with_constants(model: Any, path: Path) -> Any:
-    """Return an ONNX model in which what depends on no input is a constant, by way of a file."""
-    import onnx
-    from onnxruntime import GraphOptimizationLevel
-
-    level = GraphOptimizationLevel.ORT_ENABLE_BASIC
-    _run_by(model, graph_optimization_level=level, optimized_model_filepath=str(path))
-    return onnx.load(path)
-
-
-def _scopes(node: Any) -> list[str]:
-    """Return the names of the modules that an operator is of, the outermost first."""
-    notes = {note.key: note.value for note in node.metadata_props}
-    scopes: list[str] = ast.literal_eval(notes.get(SCOPES, "[]"))
-    return scopes
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rallygap.models.ball.state import BALL_RADIUS, POSITION, STATE_SIZE, VELOCITY
-from rallygap.models.ball.types import Floats
+from rallygap.models.ball.types import Bools, Floats
 from rallygap.models.predictors.sensor import Sensor
 
 GRAVITY = 9.81  # m/s^2; only within a step of a path, and for the error of an apex
@@ -57,14 +57,16 @@ def bounce(states: Floats, sensor: Sensor) -> Crossing | None:
     state = states[k].copy()
     state[POSITION] += after * state[VELOCITY]
     state[2], state[5] = height[k] - above, rise[k] - GRAVITY * after
-    return Crossing(k, float(after), state, _gradient(2), float(state[5]))
+    return Crossing(k, float(after), state, np.eye(STATE_SIZE)[2], float(state[5]))
 
 
 def apex(states: Floats, step: float) -> Crossing | None:
     """Return where a ball with (T, 9) states, ``step`` s apart, next stops rising."""
     rise = states[:, 5]
     k = _first((rise[:-1] > 0) & (rise[1:] <= 0))
-    return None if k is None else _between(states, k, rise, step, _gradient(5), -GRAVITY)
+    if k is None:
+        return None
+    return _between(states, k, rise, step, np.eye(STATE_SIZE)[5], -GRAVITY)
 
 
 def plane(states: Floats, step: float, point: Floats, normal: Floats) -> Crossing | None:
@@ -86,19 +88,14 @@ def plane(states: Floats, step: float, point: Floats, normal: Floats) -> Crossin
     return _between(states, k, side, step, gradient, float(states[k, VELOCITY] @ unit))
 
 
-def _first(places: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> int | None:
+def _first(places: Bools) -> int | None:
     rows = np.flatnonzero(places)
     return int(rows[0]) if len(rows) else None
-
-
-def _gradient(column: int) -> Floats:
-    gradient: Floats = np.eye(STATE_SIZE)[column]
-    return gradient
 
 
 def _between(
     states: Floats, k: int, quantity: Floats, step: float, gradient: Floats, rate: float
 ) -> Crossing:
     share = float(quantity[k] / (quantity[k] - quantity[k + 1]))
-    state: Floats = (1 - share) * states[k] + share * states[k + 1]
+    state = (1 - share) * states[k] + share * states[k + 1]
     return Crossing(k, share * step, state, gradient, rate)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.ball.types import Floats, Integers
+from rallygap.models.ball.types import Floats
 from rallygap.models.gap.fit.projection import eliminate_nuisance
 from rallygap.models.gap.fit.refit import RefitResult, fit_nuisance, refit
 from rallygap.models.gap.fit.shots import Shots
@@ -99,37 +99,28 @@ class DriftMonitor:
         most = LARGEST * self._excess * np.sqrt(information)
         row = np.stack([scores, np.clip(scores, -most, most), information])[None]
         self._latest = np.concatenate([self._latest[1 - WINDOWS[-1] :], row])
-        windows = np.array(
-            [length for length in WINDOWS if length <= len(self._latest)], dtype=np.int64
-        )
-        if not len(windows):
+        windows = [length for length in WINDOWS if length <= len(self._latest)]
+        if not windows:
             return None
-        sums = np.cumsum(self._latest[::-1], axis=0)[windows - 1]
-        seen, limited, known = np.moveaxis(sums, 1, 0)
+        sums = np.cumsum(self._latest[::-1], axis=0)[np.array(windows) - 1]
+        seen, limited, known = np.moveaxis(sums, 1, 0)  # each (W, K)
         errors = self._excess * np.sqrt(1 / known + 1 / self._information)
-        return self._alarm(windows, seen / known, limited / known, errors)
-
-    def _alarm(
-        self, windows: Integers, changes: Floats, limited: Floats, errors: Floats
-    ) -> Alarm | None:
-        """Return the alarm by (W, K) changes in windows of (W,) lengths, if there is one.
-
-        Changes by limited scores decide whether there is one, and in which window: no shot decides
-        alone. Those by the scores themselves decide which parameter it is.
-        """
-        largest = np.abs(limited / errors).max(axis=1)
+        # Limited scores decide whether there is an alarm, and in which window: no shot decides
+        # alone. The scores themselves decide which parameter it is.
+        largest = np.abs(limited / known / errors).max(axis=1)
         w = int(largest.argmax())
         if largest[w] < THRESHOLD:
             return None
-        gains = (changes[w] / errors[w]) ** 2
+        changes = seen[w] / known[w]
+        gains = (changes / errors[w]) ** 2
         likeliest = np.argsort(-gains).tolist()
         k = likeliest[0]
         close = (j for j in likeliest if gains[j] > gains[k] - self._settings.tolerance)
         return Alarm(
             self.parameters[k],
-            float(changes[w, k]),
+            float(changes[k]),
             float(errors[w, k]),
-            int(windows[w]),
+            windows[w],
             tuple(self.parameters[j] for j in close),
         )
 
@@ -161,5 +152,4 @@ class Session:
 
 
 def _shots(parts: Sequence[Shot]) -> Shots:
-    times, positions, spins = zip(*parts, strict=True)
-    return Shots.from_arrays(times, positions, spins)
+    return Shots.from_arrays(*zip(*parts, strict=True))

@@ -56,6 +56,9 @@ class NoBallError(LookupError):
 class Forecaster:
     """Forecasts the ball that is measured.
 
+    ``bounce``, ``apex`` and ``crossing`` look 1 s ahead with a simulator, 0.3 s with a predictor.
+    They raise ``ValueError`` where the predictor was compiled for some horizons alone.
+
     Args:
         simulator: of the ball and of the sensor; it tells which measurements belong to the ball.
         predictor: that forecasts up to 300 ms ahead, from the last 55 ms; the simulator does, from
@@ -72,7 +75,8 @@ class Forecaster:
         self.simulator, self.predictor, self.expected = simulator, predictor, expected
         self._sensor = Sensor(simulator)
         self._noise = expected.noise**2 * np.eye(3)
-        self._ball, self._other = self._new_track(), self._new_track()
+        self._ball = Track(simulator, expected)
+        self._other = Track(simulator, expected)
         self._missed = 0  # measurements since the present ball had one
         self._forecast: Floats | None = None  # the predictor's, of this measurement
 
@@ -126,11 +130,11 @@ class Forecaster:
             return "used"
         self._missed += 1
         if not self._other.add(t, place, noise, measured):
-            self._other = self._new_track()
+            self._other = Track(self.simulator, self.expected)
             self._other.add(t, place, noise, measured)
         if min(self._missed, self._other.count) < NEW_BALL:
             return "unused"
-        self._ball, self._other = self._other, self._new_track()
+        self._ball, self._other = self._other, Track(self.simulator, self.expected)
         self._missed = 0
         return "new ball"
 
@@ -163,36 +167,19 @@ class Forecaster:
         return rows[:, :STATE_SIZE], covariances
 
     def bounce(self) -> Event | None:
-        """Return the ball's next contact with the table; None without one in the forecast.
-
-        The forecast spans 1 s with a simulator, 0.3 s with a predictor.
-
-        Raises:
-            ValueError: the predictor was compiled for some horizons alone.
-        """
+        """Return the ball's next contact with the table; None without one in the forecast."""
         return self._event(crossings.bounce(self._coming(), self._sensor))
 
     def apex(self) -> Event | None:
-        """Return where the ball next stops rising; None without one in the forecast.
-
-        The forecast spans 1 s with a simulator, 0.3 s with a predictor.
-
-        Raises:
-            ValueError: the predictor was compiled for some horizons alone.
-        """
+        """Return where the ball next stops rising; None without one in the forecast."""
         return self._event(crossings.apex(self._coming(), TICK))
 
     def crossing(self, point: ArrayLike, normal: ArrayLike) -> Event | None:
         """Return where the ball next crosses a plane; None without one in the forecast.
 
-        The forecast spans 1 s with a simulator, 0.3 s with a predictor.
-
         Args:
             point: (3,) m, of the plane, such as the middle of a robot's strike plane.
             normal: (3,) of the plane.
-
-        Raises:
-            ValueError: the predictor was compiled for some horizons alone.
         """
         plane = np.asarray(point, dtype=np.float64), np.asarray(normal, dtype=np.float64)
         return self._event(crossings.plane(self._coming(), TICK, *plane))
@@ -221,9 +208,6 @@ class Forecaster:
             self._forecast = rows
         return self._forecast
 
-    def _new_track(self) -> Track:
-        return Track(self.simulator, self.expected)
-
     def _event(self, crossing: Crossing | None) -> Event | None:
         if crossing is None:
             return None
@@ -241,12 +225,11 @@ def _at(ahead: Floats, values: Floats) -> Floats:
     places = ahead / TICK
     after = np.minimum(np.maximum(np.ceil(places).astype(int), 1), len(FUTURE_TIMES))
     share = (places - after + 1)[:, None]
-    between: Floats = (1 - share) * values[after - 1] + share * values[after]
-    return between
+    return (1 - share) * values[after - 1] + share * values[after]
 
 
 def _known(rows: Floats) -> Floats:
-    """Return rows of forecasts, or refuse those that the predictor was not compiled for."""
+    """Return rows of forecasts, if the predictor was compiled for them."""
     if np.isnan(rows).any():
         raise ValueError("the predictor was not compiled for these horizons; compile it for more")
     return rows

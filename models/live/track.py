@@ -6,7 +6,6 @@ measurements on their grid of times.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rallygap.models.ball.compose import compiled
 from rallygap.models.ball.simulator import Simulator
@@ -74,27 +73,27 @@ class Track:
     @property
     def state(self) -> Floats:
         """(9,) mean at the last measurement, of the true ball."""
-        return np.asarray(self._rows["state"][-1])
+        return self._rows["state"][-1]
 
     @property
     def covariance(self) -> Floats:
         """(9, 9) covariance at the last measurement."""
-        return np.asarray(self._rows["covariance"][-1])
+        return self._rows["covariance"][-1]
 
     @property
     def times(self) -> Floats:
         """(K,) s, of the latest measurements that were used."""
-        return np.asarray(self._rows["time"])
+        return self._rows["time"]
 
     @property
     def positions(self) -> Floats:
         """(K, 3) m, of these, as measured."""
-        return np.asarray(self._rows["position"])
+        return self._rows["position"]
 
     @property
     def spins(self) -> Floats:
         """(K, 3) rad/s, of these, as measured; NaN where not measured."""
-        return np.asarray(self._rows["spin"])
+        return self._rows["spin"]
 
     def add(self, t: float, position: Floats, noise: Floats, spin: Floats) -> bool:
         """Use a measurement unless it is an outlier or too late; return whether it was used.
@@ -119,8 +118,9 @@ class Track:
             return False
         dropped = int(len(rows) == KEPT)  # the oldest one
         row = np.array([(t, position, true, noise, spin, *guess)], ROW)
-        parts = (_numbers(part) for part in (rows[dropped:place], row, rows[place:]))
-        self._rows = np.concatenate([*parts]).view(ROW)
+        # As plain numbers, which NumPy copies faster than fields.
+        parts = [part.view(np.float64) for part in (rows[dropped:place], row, rows[place:])]
+        self._rows = np.concatenate(parts).view(ROW)
         self.count += 1
         place -= dropped
         self._filter(place, guess)
@@ -144,19 +144,15 @@ class Track:
         if np.isfinite(row["spin"][0]):
             spin = self._sensor.true_spins(row["spin"])
             x, P = updated(x, P, spin, 6, label_noise(spin))
-        elif self._expects_spin(k):
-            x, P = updated(x, P, *_expected_spin(x, self._expected))
+        elif (
+            k + self.count - len(self._rows) == COURSE_KNOWN
+            and not np.isfinite(self.spins[:k, 0]).any()
+        ):
+            # The course is known from now on; the expected spin counts as if it were measured.
+            axes = course_axes(x[3:6])
+            covariance = (axes * np.square(self._expected.spin_spread)) @ axes.T
+            x, P = updated(x, P, axes @ np.array(self._expected.spin), 6, covariance)
         row["state"], row["covariance"] = x, P
-
-    def _expects_spin(self, k: int) -> bool:
-        """Whether the k-th measurement makes the course known, of a ball without a label so far."""
-        since_first = k + self.count - len(self._rows)
-        return since_first == COURSE_KNOWN and not np.isfinite(self.spins[:k, 0]).any()
-
-
-def _numbers(rows: NDArray[np.void]) -> Floats:
-    """Return all numbers of rows, which NumPy copies faster than fields."""
-    return np.asarray(rows.view(np.float64))
 
 
 def _first_guess(position: Floats, noise: Floats, spin: Floats) -> Belief:
@@ -166,13 +162,6 @@ def _first_guess(position: Floats, noise: Floats, spin: Floats) -> Belief:
     size = float(np.linalg.norm(spin)) if np.isfinite(spin[0]) else 0.0
     spread = np.repeat([np.sqrt(np.trace(noise)), FIRST_SPEED, max(FIRST_SPIN, size)], 3)
     return x, np.diag(spread**2)
-
-
-def _expected_spin(x: Floats, expected: Expected) -> tuple[Floats, int, Floats]:
-    """Return the spin that a ball of a state is expected to have, as if it were measured."""
-    axes = course_axes(x[3:6])
-    covariance = (axes * np.square(expected.spin_spread)) @ axes.T
-    return axes @ np.array(expected.spin), 6, covariance
 
 
 def history_of(track: Track) -> History:

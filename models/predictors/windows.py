@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rallygap.models.ball.types import Integers
 from rallygap.models.predictors.protocol import (
     FUTURE,
     FUTURE_TIMES,
@@ -72,7 +73,7 @@ class Windows:
     def __len__(self) -> int:
         return len(self.anchors)
 
-    def __getitem__(self, rows: slice) -> "Windows":
+    def __getitem__(self, rows: slice | Integers) -> "Windows":
         return Windows(*(part[rows] for part in vars(self).values()))
 
 

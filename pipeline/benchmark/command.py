@@ -40,7 +40,9 @@ def score(
 
     root = clone_with_run()
     if out is not None:
-        _check_scores(out, forecasts)
+        check_file(out)
+        if out.resolve() == forecasts.resolve():
+            raise InputError(out, "is the file of the forecasts; give another one to --out")
     scores = score_forecasts(root, load_params(root / "params.yaml"), forecasts)
     for table in score_tables(scores, own=forecasts.name):
         show(table)
@@ -48,10 +50,3 @@ def score(
     if out is not None:
         write_scores(out, scores)
         typer.echo(f"All horizons: {out}")
-
-
-def _check_scores(out: Path, forecasts: Path) -> None:
-    """Refuse a file of scores that cannot be written, or would replace the forecasts."""
-    check_file(out)
-    if out.resolve() == forecasts.resolve():
-        raise InputError(out, "is the file of the forecasts; give another one to --out")

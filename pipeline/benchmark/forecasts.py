@@ -1,7 +1,6 @@
 """Forecasts of the test windows, read from a parquet file and checked row by row."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +11,7 @@ from pyarrow.parquet import ParquetFile
 
 from rallygap.models.predictors.errors import EVALUATED, HORIZONS_MS
 from rallygap.models.predictors.protocol import FUTURE, Forecast
-from rallygap.pipeline.benchmark.schemas import FORECASTS, type_of
-from rallygap.pipeline.benchmark.windows import window_ids
+from rallygap.pipeline.benchmark.windows import FORECASTS, type_of, window_ids
 from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
 from rallygap.pipeline.io.schemas import STATE_COLUMNS, checked
 from rallygap.pipeline.runtime.errors import InputError
@@ -53,31 +51,21 @@ def read_forecasts(path: Path, sets: Sequence[MeasuredSet]) -> dict[str, Forecas
 
 def _read(path: Path, rows: int) -> pd.DataFrame:
     """Read a table of the right columns and not too many rows."""
-    with _reading(path), ParquetFile(path) as content:
-        _check_columns(content.schema_arrow, path)
-        if content.metadata.num_rows > rows:
-            problem = f"has {content.metadata.num_rows} rows; all windows have {rows} horizons"
-            raise InputError(path, f"{problem}. Give each once")
-        groups = range(content.metadata.num_row_groups)
-        size = sum(content.metadata.row_group(group).total_byte_size for group in groups)
-        if size > LARGEST_ROW * (rows + len(HORIZONS_MS)):
-            raise InputError(path, f"unpacks to {size} bytes, more than such forecasts take")
-        table: pd.DataFrame = _widened(content.read()).to_pandas(ignore_metadata=True)
-        return table
-
-
-def _widened(table: pa.Table) -> pa.Table:
-    """Return the table with the types of ``FORECASTS``: networks give 32 bits."""
-    columns = FORECASTS.columns.items()
-    wide = pa.schema([(name, _ARROW[type_of(column)]) for name, column in columns])
-    return table.select(wide.names).cast(wide)
-
-
-@contextmanager
-def _reading(path: Path) -> Iterator[None]:
-    """Turn what goes wrong when the file is read into an ``InputError``."""
     try:
-        yield
+        with ParquetFile(path) as content:
+            _check_columns(content.schema_arrow, path)
+            if content.metadata.num_rows > rows:
+                problem = f"has {content.metadata.num_rows} rows; all windows have {rows} horizons"
+                raise InputError(path, f"{problem}. Give each once")
+            groups = range(content.metadata.num_row_groups)
+            size = sum(content.metadata.row_group(group).total_byte_size for group in groups)
+            if size > LARGEST_ROW * (rows + len(HORIZONS_MS)):
+                raise InputError(path, f"unpacks to {size} bytes, more than such forecasts take")
+            # Networks give 32 bits.
+            columns = FORECASTS.columns.items()
+            wide = pa.schema([(name, _ARROW[type_of(column)]) for name, column in columns])
+            table = content.read().select(wide.names).cast(wide)
+            return table.to_pandas(ignore_metadata=True)
     except (OSError, ValueError, KeyError, TypeError, NotImplementedError, MemoryError) as error:
         reason = " ".join(str(error).split())[:200]
         raise InputError(path, f"is not a parquet table: {reason}") from None

@@ -1,6 +1,6 @@
 """Scores of any forecasts, and of the predictors of the run on the same windows."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +13,9 @@ from rallygap.models.predictors.evaluation import (
     concat_tables,
     forecast_errors,
 )
-from rallygap.models.predictors.protocol import Forecast
 from rallygap.pipeline.benchmark.forecasts import read_forecasts
 from rallygap.pipeline.benchmark.windows import run_sets
-from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet
-from rallygap.pipeline.evaluation.predictors import NamedPredictor, read_predictors
+from rallygap.pipeline.evaluation.predictors import read_predictors
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.io.metrics import nested
 from rallygap.pipeline.params import Params
@@ -52,30 +50,21 @@ def score(root: Path, params: Params, path: Path) -> pd.DataFrame:
         raise InputError(path, "is called as a predictor of the run; give it another name")
     frames = {}
     for measured in sets:
-        if measured.name in theirs:
-            forecasts = {path.name: theirs[measured.name], **_ours(predictors, measured)}
-            frames[(measured.name,)] = _errors(forecasts, measured, params)
+        if measured.name not in theirs:
+            continue
+        known = [predictor for predictor in predictors if predictor.forecasts(measured.name)]
+        forecasts = {path.name: theirs[measured.name]}
+        for named in progress(known, measured.name, len(known)):
+            forecasts[named.name] = named.predictor.predict(measured.windows.history)
+        errors = ForecastErrors(
+            forecast_errors(forecasts, measured.windows),
+            measured.recordings,
+            measured.windows.bounced[:, -1],
+            params.evaluate_predictor.bootstrap_resamples,
+            params.seed,
+        ).over_horizon()
+        frames[(measured.name,)] = errors[errors["bounce"] == "all"].drop(columns="bounce")
     return concat_tables(frames, ["set"])
-
-
-def _ours(predictors: Sequence[NamedPredictor], measured: MeasuredSet) -> dict[str, Forecast]:
-    known = [predictor for predictor in predictors if predictor.forecasts(measured.name)]
-    return {
-        named.name: named.predictor.predict(measured.windows.history)
-        for named in progress(known, measured.name, len(known))
-    }
-
-
-def _errors(forecasts: dict[str, Forecast], measured: MeasuredSet, params: Params) -> pd.DataFrame:
-    """Return the errors on a set as evaluate_predictor has them, over all windows."""
-    errors = ForecastErrors(
-        forecast_errors(forecasts, measured.windows),
-        measured.recordings,
-        measured.windows.bounced[:, -1],
-        params.evaluate_predictor.bootstrap_resamples,
-        params.seed,
-    ).over_horizon()
-    return errors[errors["bounce"] == "all"].drop(columns="bounce")
 
 
 def write_scores(path: Path, errors: pd.DataFrame) -> None:
@@ -88,24 +77,20 @@ def score_tables(errors: pd.DataFrame, own: str) -> Iterator[Table]:
     shown = errors[errors["horizon_ms"].isin(SHOWN_HORIZONS_MS)]
     for (name, quantity), rows in shown.groupby(["set", "quantity"], sort=False):
         title = f"{name}: mean error of the {quantity} ({UNITS[str(quantity)]})"
-        yield _table(title, rows, own)
-
-
-def _table(title: str, rows: pd.DataFrame, own: str) -> Table:
-    table = Table(title=title, title_justify="left", box=None, pad_edge=False)
-    table.add_column("predictor", overflow="fold")
-    for horizon in SHOWN_HORIZONS_MS:
-        table.add_column(f"{horizon} ms", justify="right", overflow="fold")
-    for predictor, errors in rows.groupby("predictor", sort=False):
-        cells = {row.horizon_ms: _cell(row) for row in errors.itertuples()}
-        known = [cells.get(horizon, "–") for horizon in SHOWN_HORIZONS_MS]
-        table.add_row(str(predictor), *known, style="bold" if predictor == own else None)
-    return table
+        table = Table(title=title, title_justify="left", box=None, pad_edge=False)
+        table.add_column("predictor", overflow="fold")
+        for horizon in SHOWN_HORIZONS_MS:
+            table.add_column(f"{horizon} ms", justify="right", overflow="fold")
+        for predictor, of_predictor in rows.groupby("predictor", sort=False):
+            cells = {row.horizon_ms: _cell(row) for row in of_predictor.itertuples()}
+            known = [cells.get(horizon, "–") for horizon in SHOWN_HORIZONS_MS]
+            table.add_row(str(predictor), *known, style="bold" if predictor == own else None)
+        yield table
 
 
 def _cell(row: Any) -> str:
-    return f"{_digits(row.mean)} ({_digits(row.ci_low)}–{_digits(row.ci_high)})"
-
-
-def _digits(value: float) -> str:
-    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+    mean, low, high = (
+        f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+        for value in (row.mean, row.ci_low, row.ci_high)
+    )
+    return f"{mean} ({low}–{high})"

@@ -1,4 +1,4 @@
-"""The test windows of the last run, exported without their futures."""
+"""The test windows of the last run, exported without their futures; and the tables' contracts."""
 
 import hashlib
 from collections.abc import Sequence
@@ -7,22 +7,84 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pandera.pandas as pa
 from numpy.typing import NDArray
 
 from rallygap.models.predictors.errors import HORIZONS_MS
-from rallygap.models.predictors.protocol import HISTORY, HISTORY_TIMES, History
-from rallygap.models.predictors.windows import Windows
-from rallygap.pipeline.benchmark.schemas import FORECASTS, WINDOWS, type_of
+from rallygap.models.predictors.protocol import HISTORY, HISTORY_TIMES
 from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet, read_test_sets
 from rallygap.pipeline.io.artifacts import write_table, write_text
 from rallygap.pipeline.io.markdown import markdown_page
-from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, checked
+from rallygap.pipeline.io.schemas import (
+    POSITION_COLUMNS,
+    SPIN_COLUMNS,
+    VELOCITY_COLUMNS,
+    checked,
+)
 from rallygap.pipeline.params import Params
 from rallygap.pipeline.runtime.errors import InputError
 
 TABLE, README = "windows.parquet", "README.md"
 ID_BYTES, DIGITS = 8, 6
 _TEMPLATE = Path(__file__).parent / "templates" / "benchmark.md"
+LARGEST = 1e6  # m, m/s, rad/s; an error beyond all floats would drop out of the mean
+QUANTITIES = {
+    "position (m)": POSITION_COLUMNS,
+    "velocity (m/s)": VELOCITY_COLUMNS,
+    "spin (rad/s)": SPIN_COLUMNS,
+}
+
+
+def _vectors(*quantities: str, note: str, nullable: bool) -> dict[str, pa.Column]:
+    """Return three columns a quantity."""
+    bounded = pa.Check.in_range(-LARGEST, LARGEST)
+    return {
+        name: pa.Column(
+            float, bounded, nullable=nullable, description=f"{quantity}, {axis} axis{note}"
+        )
+        for quantity in quantities
+        for name, axis in zip(QUANTITIES[quantity], "xyz", strict=True)
+    }
+
+
+WINDOWS = pa.DataFrameSchema(
+    {
+        "set": pa.Column(str, description="set of measured balls"),
+        "window_id": pa.Column(str, description="name of the window; says nothing of its place"),
+        "t": pa.Column(float, description="s before the last state, which is at 0"),
+        **_vectors("position (m)", "spin (rad/s)", note="; null if not measured", nullable=True),
+        **{
+            f"{what}_measured": pa.Column(
+                bool, description=f"whether the {what} was measured at this instant"
+            )
+            for what in ("position", "spin")
+        },
+    },
+    unique=["window_id", "t"],
+    strict=True,
+    ordered=True,
+    name="windows",
+    description="twelve states a window, 5 ms apart, the last one at t = 0; one row a state",
+)
+
+FORECASTS = pa.DataFrameSchema(
+    {
+        "window_id": pa.Column(str, description="name of a window"),
+        "horizon_ms": pa.Column(
+            int, pa.Check.isin(HORIZONS_MS), description="ms after the window's last state"
+        ),
+        **_vectors(*QUANTITIES, note=" at that instant", nullable=False),
+    },
+    strict=True,
+    name="forecasts",
+    description="one row a window and horizon; every window of a set, every horizon",
+)
+
+
+def type_of(column: pa.Column) -> str:
+    """Return the type of a column as it is called everywhere: string, int64, float64 or bool."""
+    name = str(column.dtype)
+    return "string" if name.startswith("str") else name  # pandas knows strings of many kinds
 
 
 def run_sets(root: Path, params: Params) -> list[MeasuredSet]:
@@ -47,9 +109,11 @@ def export_windows(sets: Sequence[MeasuredSet], folder: Path) -> None:
     Raises:
         InputError: the folder cannot be written to.
     """
+    contracts = {"windows": WINDOWS, "forecasts": FORECASTS, "type_of": type_of}
+    horizons = {"first": HORIZONS_MS[0], "last": HORIZONS_MS[-1]}
     try:
         write_table(folder / TABLE, window_table(sets))
-        write_text(folder / README, _readme(sets))
+        write_text(folder / README, markdown_page(_TEMPLATE, sets=sets, **horizons, **contracts))
     except OSError as error:
         raise InputError(folder, f"cannot be written to: {error.strerror}") from None
 
@@ -92,15 +156,8 @@ def _one_per_episode(measured: MeasuredSet) -> MeasuredSet:
     by_name = np.argsort(window_ids(measured))
     _, first = np.unique(episodes[by_name], return_index=True)
     rows = by_name[first]
-    return replace(
-        measured, windows=_at(measured.windows, rows), recordings=measured.recordings[rows]
-    )
-
-
-def _at(cut: Windows, rows: NDArray[np.intp]) -> Windows:
-    history = History(cut.history.states[rows], cut.history.mask[rows])
-    future, measured, bounced = cut.future[rows], cut.measured[rows], cut.bounced[rows]
-    return Windows(history, cut.anchors[rows], future, measured, bounced)
+    recordings = measured.recordings[rows]
+    return replace(measured, windows=measured.windows[rows], recordings=recordings)
 
 
 def _rows(measured: MeasuredSet) -> pd.DataFrame:
@@ -113,8 +170,3 @@ def _rows(measured: MeasuredSet) -> pd.DataFrame:
     for name, columns in (("position", POSITION_COLUMNS), ("spin", SPIN_COLUMNS)):
         rows[f"{name}_measured"] = rows[columns].notna().all(axis=1)
     return rows
-
-
-def _readme(sets: Sequence[MeasuredSet]) -> str:
-    tables = {"windows": WINDOWS, "forecasts": FORECASTS, "type_of": type_of}
-    return markdown_page(_TEMPLATE, sets=sets, first=HORIZONS_MS[0], last=HORIZONS_MS[-1], **tables)

@@ -19,10 +19,9 @@ from rallygap.models.gap.settings import DEFAULTS
 from rallygap.models.gap.settings import Question as Naming
 from rallygap.models.gap.verdict import Cause, Verdict
 from rallygap.pipeline.experiments.resumed import Diagnosis, json_results
-from rallygap.pipeline.gap.wording import interval_text
 from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.web.numbers import number
+from rallygap.pipeline.web.numbers import interval_text, number
 
 Place = Literal["simulator", "recordings"]
 

@@ -3,31 +3,47 @@
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.amend.simulator import amended, amended_yaml
 from rallygap.models.gap.diagnose import diagnose
 from rallygap.models.gap.settings import DEFAULTS, GapSettings
 from rallygap.pipeline.engines.audited import effects_of
-from rallygap.pipeline.engines.export.code import CODE, SCENE
-from rallygap.pipeline.engines.export.command import check_place, code_of, former_scene
+from rallygap.pipeline.engines.export.code import CODE, SCENE, ball_effects
+from rallygap.pipeline.engines.export.command import (
+    check_place,
+    code_of,
+    comments_of,
+    former_scene,
+)
 from rallygap.pipeline.engines.load import names_function, names_scene
 from rallygap.pipeline.gap.expected_balls import expected_balls, expected_json
-from rallygap.pipeline.gap.figures.camera import camera_figure
-from rallygap.pipeline.gap.figures.discrepancy import discrepancy_figure, growth_figure
-from rallygap.pipeline.gap.figures.verdict import causes_figure, error_figure
-from rallygap.pipeline.gap.handed_over import handed_over
+from rallygap.pipeline.gap.figures import (
+    camera_figure,
+    causes_figure,
+    discrepancy_figure,
+    error_figure,
+    growth_figure,
+)
 from rallygap.pipeline.gap.measured_shots import MeasuredShots, read_shots
 from rallygap.pipeline.gap.provenance import made_from
-from rallygap.pipeline.gap.summary import Findings, detection_lines, usage_lines
+from rallygap.pipeline.gap.summary import (
+    Findings,
+    detection_lines,
+    episodes_text,
+    usage_lines,
+)
 from rallygap.pipeline.gap.verdict_page import render_gap_page
-from rallygap.pipeline.gap.wording import episodes_text
 from rallygap.pipeline.io.artifacts import replacing_files, write_text
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.paths import check_folder
 from rallygap.pipeline.runtime.progress import PhaseBar
 from rallygap.pipeline.web.figure_style import apply_style
 from rallygap.pipeline.web.report_items import ReportFigure
+
+if TYPE_CHECKING:
+    from rallygap.pipeline.engines.export.scene.amended_scene import AmendedScene
 
 TABLE = "table_bounce"
 FIGURES = "figures"
@@ -82,8 +98,7 @@ def diagnose_folder(
 
         with bar.phase("reading and segmenting"):
             measured = read_shots(data, source)
-            _check_enough(measured, data)
-            _check_table(measured, nominal, simulator)
+            _check(measured, nominal, data, simulator)
         say_aside(usage_lines(measured))
         with bar.phase("comparing"):
             verdict = diagnose(
@@ -103,26 +118,44 @@ def diagnose_folder(
             balls = expected_balls(measured.shots, amended(nominal, verdict, minor))
             findings = Findings(measured, nominal, simulator, settings, verdict, balls, minor)
             if is_scene:
-                findings = replace(findings, handed=handed_over(findings, minor))
+                findings = replace(findings, handed=handed_over(findings))
             write_findings(findings, out)
     return findings
+
+
+def handed_over(findings: Findings) -> "AmendedScene":
+    """Return the scene of a verdict amended, and code for it, both verified.
+
+    A scene that cannot be amended is no error: then there is the code, and a sentence says why.
+
+    Args:
+        findings: on a scene of MuJoCo.
+
+    Raises:
+        InputError: the scene cannot be read.
+    """
+    from rallygap.pipeline.engines.export.scene.amended_scene import amended_scene
+
+    name, before = findings.simulator_name, findings.simulator
+    comments = comments_of(_amended_yaml(findings))
+    after = amended(before, findings.verdict, findings.minor)
+    code = ball_effects(after, "amended.yaml", comments, "mujoco")
+    return amended_scene(name, before, after, code, comments)
+
+
+def _amended_yaml(findings: Findings) -> str:
+    name = findings.measured.name
+    return amended_yaml(findings.simulator, findings.verdict, name, findings.minor)
 
 
 def write_findings(findings: Findings, out: Path) -> None:
     """Write verdict, amended simulator, expected balls, page and figures, all of them or none.
 
-    Args:
-        findings: to write.
-        out: folder to write to.
-
     Raises:
         InputError: the folder cannot be written to.
     """
-    simulator = amended_yaml(
-        findings.simulator, findings.verdict, findings.measured.name, findings.minor
-    )
     apply_style()
-    figures = figures_of(findings)
+    simulator, figures, handed = _amended_yaml(findings), figures_of(findings), findings.handed
     with replacing_files(out, [*FORMER, *former_scene(out)]) as folder:
         pictures = folder / FIGURES
         pictures.mkdir()
@@ -131,7 +164,12 @@ def write_findings(findings: Findings, out: Path) -> None:
         write_text(folder / "verdict.json", findings.verdict.to_json())
         write_text(folder / "amended.yaml", simulator)
         write_text(folder / "balls.json", expected_json(findings.balls))
-        _write_for_engine(findings, folder)
+        if names_function(findings.simulator_name):
+            write_text(folder / CODE, code_of(str(folder / "amended.yaml"), "python"))
+        if handed:
+            write_text(folder / CODE, handed.code)
+        if handed and handed.text is not None:
+            write_text(folder / SCENE, handed.text)
         write_text(folder / "report.html", render_gap_page(findings, simulator, pictures, figures))
 
 
@@ -153,18 +191,8 @@ def figures_of(findings: Findings) -> list[ReportFigure]:
     return figures
 
 
-def _write_for_engine(findings: Findings, folder: Path) -> None:
-    """Write the amended simulator for its own engine, where it is no list of effects."""
-    handed = findings.handed
-    if names_function(findings.simulator_name):
-        write_text(folder / CODE, code_of(str(folder / "amended.yaml"), "python"))
-    if handed is not None:
-        write_text(folder / CODE, handed.code)
-    if handed is not None and handed.text is not None:
-        write_text(folder / SCENE, handed.text)
-
-
-def _check_enough(measured: MeasuredShots, data: Path) -> None:
+def _check(measured: MeasuredShots, nominal: Simulator, data: Path, simulator: str) -> None:
+    """Raise unless there are enough shots, and a table where they bounce."""
     count, least = len(measured.shots), DEFAULTS.verify.held_out
     if count < least:
         problem = (
@@ -173,9 +201,6 @@ def _check_enough(measured: MeasuredShots, data: Path) -> None:
             f"{episodes_text(measured)})"
         )
         raise InputError(data, problem)
-
-
-def _check_table(measured: MeasuredShots, nominal: Simulator, simulator: str) -> None:
     if measured.bounces and TABLE not in nominal.effects:
         problem = (
             f"is missing, but {measured.bounces} of the shots bounce; add such as "

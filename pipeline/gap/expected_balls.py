@@ -43,10 +43,8 @@ class _Content(BaseModel, extra="forbid"):
 
 def expected_json(expected: Expected) -> str:
     """Return the content of a file of expected balls, with five digits."""
-    content = {
-        key: [_rounded(part) for part in value] if isinstance(value, tuple) else _rounded(value)
-        for key, value in asdict(expected).items()
-    }
+    rounded = np.vectorize(lambda value: float(f"{value:.5g}"))
+    content = {name: rounded(value).tolist() for name, value in asdict(expected).items()}
     return json.dumps(content) + "\n"
 
 
@@ -58,7 +56,3 @@ def read_expected(path: Path) -> Expected:
     """
     content = read_as(path, _Content, advice="give the balls.json of a verdict")
     return Expected(**content.model_dump())
-
-
-def _rounded(value: float) -> float:
-    return float(f"{value:.5g}")

@@ -29,7 +29,7 @@ from rallygap.pipeline.io.source_manifest import Manifest, SourceRecord
 from rallygap.pipeline.params import IngestSettings
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sources.registry import registry
-from rallygap.pipeline.sources.source import Source, SourceContext
+from rallygap.pipeline.sources.source import SourceContext
 from rallygap.pipeline.sources.source_import import SourceImport, in_batches
 
 SIMULATED = "arena"  # the one source that reads no files
@@ -86,64 +86,15 @@ class MeasuredShots:
     doubts: tuple[str, ...] = ()
 
 
-def read_shots(folder: Path | str, source: str) -> MeasuredShots:
-    """Read the recordings of a folder and cut them into shots.
-
-    Args:
-        folder: with the files of the source.
-        source: name of the adapter that reads them.
-
-    Raises:
-        InputError: there is no such folder or source, a file is not what the source reads, or
-            there are launches without a path.
-    """
-    recordings = _read(Path(folder), source)
-    episodes, record = recordings.episodes(), recordings.record
-    chosen = source_shots(episodes)
-    return MeasuredShots(
-        name=record.name,
-        shots=shots_of(chosen.members),
-        nets=chosen.nets,
-        recordings=record.recordings,
-        refused=record.refused_counts,
-        episodes=len(episodes),
-        left_out=chosen.left_out,
-        labels=_label_counts(recordings, chosen.members),
-        bounces=sum(bool(member.episode.arc.any()) for member in chosen.members),
-        noise=recordings.noise,
-        doubts=recordings.doubts,
-    )
-
-
-def read_recordings(folder: Path, source: str) -> list[pd.DataFrame]:
-    """Return the rows of the recordings of a folder, in parts of whole recordings.
-
-    Args:
-        folder: with the files of the source.
-        source: name of the adapter that reads them.
-
-    Raises:
-        InputError: as ``read_shots`` does.
-    """
-    return _read(folder, source).parts
-
-
-def read_measured_episodes(folder: Path, source: str) -> list[MeasuredEpisode]:
-    """Return the episodes of the recordings of a folder.
-
-    Args:
-        folder: with the files of the source.
-        source: name of the adapter that reads them.
-
-    Raises:
-        InputError: as ``read_shots`` does.
-    """
-    return _read(folder, source).episodes()
-
-
 @dataclass(frozen=True)
-class _Recordings:
-    """Rows of recordings in parts of whole ones, what was read, and what is doubtful."""
+class Recordings:
+    """The recordings of a folder.
+
+    Attributes:
+        parts: rows of ``RECORDINGS``, each part of whole recordings.
+        record: what was read and what was refused.
+        doubts: what is doubtful about them, one sentence each.
+    """
 
     parts: list[pd.DataFrame]
     record: SourceRecord
@@ -151,7 +102,7 @@ class _Recordings:
 
     @cached_property
     def noise(self) -> float:
-        """Of a coordinate, m."""
+        """Standard deviation of a coordinate, m."""
         groups = (part.groupby("recording_id")[POSITION_COLUMNS] for part in self.parts)
         return coordinate_noise([rows.to_numpy() for group in groups for _, rows in group])
 
@@ -184,29 +135,62 @@ class _FolderContext(SourceContext):
         return Path(str(self.settings.folder))
 
 
-def _read(folder: Path, source_name: str) -> _Recordings:
-    source = _source(source_name)
+def read_recordings(folder: Path, source: str) -> Recordings:
+    """Read the recordings of a folder.
+
+    Args:
+        folder: with the files of the source.
+        source: name of the adapter that reads them.
+
+    Raises:
+        InputError: there is no such folder or source, a file is not what the source reads, or
+            there are launches without a path.
+    """
+    known = {key: adapter for key, adapter in registry().items() if key != SIMULATED}
+    if source not in known:
+        problem = f"there is no source {source!r} of measured balls; {suggestion(source, known)}"
+        raise InputError("--source", problem)
     if not folder.is_dir():
-        raise InputError(folder, f"is not a folder; give the one with the files of {source.name}")
-    data = source.read(_FolderContext(folder))
+        raise InputError(folder, f"is not a folder; give the one with the files of {source}")
+    data = known[source].read(_FolderContext(folder))
     imported = SourceImport(data)
     if imported.is_launches:
-        raise InputError(folder, f"{source.name} has launches without a path; give recordings")
+        raise InputError(folder, f"{source} has launches without a path; give recordings")
     tables = list(data.tables)
     doubts = check_recordings(tables, data.description.frame, data.conversion, folder)
     parts = [checked(imported.rows(batch), RECORDINGS) for batch in in_batches(tables)]
-    return _Recordings(parts, imported.record(), doubts)
+    return Recordings(parts, imported.record(), doubts)
 
 
-def _source(name: str) -> Source:
-    known = {key: source for key, source in registry().items() if key != SIMULATED}
-    if name not in known:
-        problem = f"there is no source {name!r} of measured balls; {suggestion(name, known)}"
-        raise InputError("--source", problem)
-    return known[name]
+def read_shots(folder: Path | str, source: str) -> MeasuredShots:
+    """Read the recordings of a folder and cut them into shots.
+
+    Args:
+        folder: with the files of the source.
+        source: name of the adapter that reads them.
+
+    Raises:
+        InputError: as ``read_recordings`` does.
+    """
+    recordings = read_recordings(Path(folder), source)
+    episodes, record = recordings.episodes(), recordings.record
+    chosen = source_shots(episodes)
+    return MeasuredShots(
+        name=record.name,
+        shots=shots_of(chosen.members),
+        nets=chosen.nets,
+        recordings=record.recordings,
+        refused=record.refused_counts,
+        episodes=len(episodes),
+        left_out=chosen.left_out,
+        labels=_label_counts(recordings, chosen.members),
+        bounces=sum(bool(member.episode.arc.any()) for member in chosen.members),
+        noise=recordings.noise,
+        doubts=recordings.doubts,
+    )
 
 
-def _label_counts(recordings: _Recordings, chosen: Sequence[MeasuredEpisode]) -> LabelCounts:
+def _label_counts(recordings: Recordings, chosen: Sequence[MeasuredEpisode]) -> LabelCounts:
     """Count the labels of recordings, of which some shots are chosen."""
     record = recordings.record
     kept = pd.concat(

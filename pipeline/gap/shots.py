@@ -77,23 +77,14 @@ def net_contacts(episodes: Sequence[MeasuredEpisode]) -> NetContacts:
 
     Contacts after which the path cannot be known, since an arc is too short, are left out.
     """
-    pairs = [
-        pair
-        for member in episodes
-        if member.unbroken
-        for moment in member.nets
-        if (pair := _arcs_about(member, float(moment))) is not None
-    ]
-    before, after = ([pair[side] for pair in pairs] for side in (0, 1))
+    before, after = [], []
+    for member in episodes:
+        contacts = np.concatenate([member.episode.bounces, member.touched])
+        for moment in member.nets if member.unbroken else ():
+            start = contacts[contacts < moment].max(initial=-np.inf)
+            end = contacts[contacts > moment].min(initial=np.inf)
+            arcs = member.between(start, moment), member.between(moment, end)
+            if min(len(arc.episode.times) for arc in arcs) >= DEFAULTS.net.min_samples:
+                before.append(arcs[0])
+                after.append(arcs[1])
     return NetContacts(shots_of(before), shots_of(after))
-
-
-def _arcs_about(
-    member: MeasuredEpisode, moment: float
-) -> tuple[MeasuredEpisode, MeasuredEpisode] | None:
-    contacts = np.concatenate([member.episode.bounces, member.touched])
-    start = contacts[contacts < moment].max(initial=-np.inf)
-    end = contacts[contacts > moment].min(initial=np.inf)
-    arcs = member.between(start, moment), member.between(moment, end)
-    enough = all(len(arc.episode.times) >= DEFAULTS.net.min_samples for arc in arcs)
-    return arcs if enough else None

@@ -1,38 +1,48 @@
-"""A verdict in sentences, for the terminal and the top of the page."""
+"""A verdict as text: its sentences for the terminal and the top of the page, and their parts."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.settings import GapSettings
-from rallygap.models.gap.verdict import Cause, Check, DetectionLimits, Gap, Verdict
+from rallygap.models.gap.verdict import (
+    Cause,
+    Check,
+    DetectionLimits,
+    Gap,
+    Role,
+    Variation,
+    Verdict,
+)
 from rallygap.models.gap.verify.limitations import experiment
 from rallygap.models.predictors.ball_filter import Expected
-from rallygap.pipeline.gap.measured_shots import MeasuredShots
-from rallygap.pipeline.gap.wording import (
-    PLACES,
-    ROLES,
-    cause_sentence,
-    counted,
-    episodes_text,
-    labels_text,
-    listed,
+from rallygap.pipeline.gap.measured_shots import LabelCounts, MeasuredShots
+from rallygap.pipeline.web.labels import PLACES
+from rallygap.pipeline.web.numbers import (
+    SIGNIFICANT,
+    interval_text,
+    number,
     p_text,
     percent,
-    variation_sentence,
+    with_unit,
 )
-from rallygap.pipeline.web.numbers import with_unit
 
 if TYPE_CHECKING:
     from rallygap.pipeline.engines.export.scene.amended_scene import AmendedScene
 
+ROLES: dict[Role, str] = {
+    "leading": "leading cause",
+    "sensor": "sensor fault",
+    "minor": "minor structure",
+}
 TYPICAL_MS = 200  # the horizon of the summary, where shots are that long
-SIGNIFICANT = 0.05  # p-value up to which a covariate is reported
+MOST_LISTED = 3  # names in a sentence; tables list all
 
 # What a failed check says, by its ratio and the largest allowed one, plain and in percent; and
 # what is doubtful then.
@@ -110,72 +120,67 @@ class Findings:
     @property
     def outcome(self) -> list[str]:
         """The verdict in sentences: reservations, answer, errors, causes, and what to do next."""
-        verdict = self.verdict
-        return [
-            *reservations(verdict),
-            self._answer(),
-            *(self._errors(verdict.gap) if verdict.gap else ()),
-            *self._after_net(),
-            *map(cause_sentence, verdict.main_causes),
-            *self._minor(),
-            *map(variation_sentence, verdict.variations),
-            *self._unexplained(),
-            f"Next: {self._next_step()}",
-        ]
+        return list(self._outcome())
 
     @property
     def details(self) -> list[str]:
         """Where the gap arises, what the shots can show, and how an amended scene flies."""
-        handed = self.handed.sentences if self.handed else ()
-        return [*self._phases(), *self._growth(), self._detection(), *handed]
+        return list(self._details())
 
-    def _answer(self) -> str:
-        shots = f"{len(self.measured.shots)} shots of {self.measured.name}"
-        differ = f"{shots} differ from the simulator {self.simulator_name}"
-        return {
-            "no_gap": f"{answer_title(self.verdict)}: {shots} agree with the simulator "
-            f"{self.simulator_name} down to the minimum detectable effects (5.8 sigma).",
-            "named": f"Named: {differ}; {self._counts()} identified.",
-            "ambiguous": f"Ambiguous: {differ}; {self._counts()} found, but not all are "
-            "identified uniquely.",
-            "unknown": f"Unknown: {differ}; the effects of the catalogue do not explain the "
-            "difference.",
-        }[self.verdict.verdict]
-
-    def _counts(self) -> str:
-        roles = Counter(cause.role for cause in self.verdict.main_causes)
-        return " and ".join(counted(count, ROLES[role]) for role, count in roles.items())
-
-    def _minor(self) -> Iterator[str]:
-        minor = minor_causes(self.verdict)
+    def _outcome(self) -> Iterator[str]:
+        verdict, net, unexplained = self.verdict, self.verdict.net, self.verdict.unexplained
+        yield from reservations(verdict)
+        yield self._answer()
+        if verdict.gap:
+            yield from self._errors(verdict.gap)
+        if net:
+            what = f"Prediction error up to {net.horizon_ms} ms after the net"
+            sizes = f"{net.before_mm:.1f} mm before, {net.after_mm:.1f} mm after amending"
+            yield f"{what}: {sizes} ({counted(net.held_out, 'held-out contact')})."
+        yield from map(cause_sentence, verdict.main_causes)
+        minor = minor_causes(verdict)
         if minor:
             names = listed([cause.identity for cause in minor])
             share = percent(sum(cause.gap_share for cause in minor))
             yield f"Minor structure, not amended: {names}; {share} of the gap."
-
-    def _unexplained(self) -> Iterator[str]:
-        unexplained = self.verdict.unexplained
+        yield from map(variation_sentence, verdict.variations)
         if unexplained.phase:
             place = PLACES[unexplained.phase]
             yield f"Unexplained structure {place}: {percent(unexplained.share)} of the gap."
             yield f"Candidate formula for it, not a cause: {unexplained.formula}."
+        yield f"Next: {self._next_step()}"
 
-    def _phases(self) -> Iterator[str]:
-        shares = self.verdict.phases
-        if any(shares.model_dump().values()):
-            parts = [
-                f"{percent(getattr(shares, phase))} {place}" for phase, place in PLACES.items()
-            ]
+    def _details(self) -> Iterator[str]:
+        shares, located = self.verdict.phases.model_dump(), self.verdict.located
+        if any(shares.values()):
+            parts = [f"{percent(shares[phase])} {place}" for phase, place in PLACES.items()]
             yield f"The gap arises {', '.join(parts[:2])} and {parts[2]}."
-
-    def _growth(self) -> Iterator[str]:
-        located = self.verdict.located
         if located and located.growth and located.growth[0].p_value <= SIGNIFICANT:
             first = located.growth[0]
             yield (
                 f"The trajectory discrepancy depends most on {first.covariate}, which explains "
                 f"{percent(first.share)} of its variance ({p_text(first.p_value)})."
             )
+        shown, hidden = len(self.verdict.minimum_detectable), self.verdict.not_identifiable
+        text = f"Identifiable from these shots: {shown} of {shown + len(hidden)} parameters"
+        yield f"{text}; not {', '.join(hidden)}." if hidden else f"{text}."
+        if self.handed:
+            yield from self.handed.sentences
+
+    def _answer(self) -> str:
+        shots = f"{len(self.measured.shots)} shots of {self.measured.name}"
+        differ = f"{shots} differ from the simulator {self.simulator_name}"
+        roles = Counter(cause.role for cause in self.verdict.main_causes)
+        causes = " and ".join(counted(count, ROLES[role]) for role, count in roles.items())
+        return {
+            "no_gap": f"{answer_title(self.verdict)}: {shots} agree with the simulator "
+            f"{self.simulator_name} down to the minimum detectable effects (5.8 sigma).",
+            "named": f"Named: {differ}; {causes} identified.",
+            "ambiguous": f"Ambiguous: {differ}; {causes} found, but not all are "
+            "identified uniquely.",
+            "unknown": f"Unknown: {differ}; the effects of the catalogue do not explain the "
+            "difference.",
+        }[self.verdict.verdict]
 
     def _errors(self, gap: Gap) -> Iterator[str]:
         reached = [k for k, ms in enumerate(gap.horizons_ms) if ms <= TYPICAL_MS]
@@ -187,21 +192,9 @@ class Findings:
             sizes = [f"{place:.1f} mm and {time:.2f} ms" for place, time in gap.landing.sizes]
             yield self._compared("Prediction error at landing", *sizes)
 
-    def _after_net(self) -> Iterator[str]:
-        net = self.verdict.net
-        if net:
-            what = f"Prediction error up to {net.horizon_ms} ms after the net"
-            sizes = f"{net.before_mm:.1f} mm before, {net.after_mm:.1f} mm after amending"
-            yield f"{what}: {sizes} ({counted(net.held_out, 'held-out contact')})."
-
     def _compared(self, what: str, before: str, after: str, floor: str) -> str:
         sizes = f"{before} before, {after} after amending" if self.verdict.main_causes else before
         return f"{what}: {sizes}; prediction floor {floor}."
-
-    def _detection(self) -> str:
-        shown, hidden = len(self.verdict.minimum_detectable), self.verdict.not_identifiable
-        text = f"Identifiable from these shots: {shown} of {shown + len(hidden)} parameters"
-        return f"{text}; not {', '.join(hidden)}." if hidden else f"{text}."
 
     def _next_step(self) -> str:
         verdict, few = self.verdict, self.settings.verify.few_shots
@@ -299,3 +292,75 @@ def detection_lines(measured: MeasuredShots, limits: DetectionLimits) -> Iterato
         yield f"  {identity:<{width}}  {with_unit(size, unit)}"
     if limits.not_identifiable:
         yield f"Not identifiable: {', '.join(limits.not_identifiable)}."
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return the names in a row, or how many there are where a sentence cannot hold them."""
+    return ", ".join(names) if len(names) <= MOST_LISTED else f"{len(names)} other parameters"
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a number of things, such as ``2 leading causes``."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def title(identity: str) -> str:
+    """Return the catalogue's description of the effect of a parameter."""
+    return catalogue()[Hypothesis.from_identity(identity).effect].title
+
+
+def cause_sentence(cause: Cause) -> str:
+    """Return a cause with its estimate, share, and what it is worth alone."""
+    missing = cause.kind == "missing_effect"
+    before = "missing in the simulator" if missing else f"simulator {number(cause.nominal)}"
+    worth = ""
+    if cause.worth:
+        mm, (low, high) = cause.worth.mm, cause.worth.interval
+        size = f"{mm:.1f} mm more (95 % {low:.1f} to {high:.1f})"
+        if mm < 0.0:
+            size = f"{-mm:.1f} mm less (95 % {-high:.1f} to {-low:.1f})"
+        worth = f"; without it predictions err {size}"
+    others = f" Not separable from {listed(cause.alternatives)}." if cause.alternatives else ""
+    return (
+        f"{ROLES[cause.role].capitalize()} {cause.identity} ({title(cause.identity)}): "
+        f"estimate {with_unit(cause.estimate, cause.unit)} (95 % {interval_text(cause.interval)}), "
+        f"{before}; {percent(cause.gap_share)} of the gap{worth}.{others}"
+    )
+
+
+def variation_sentence(variation: Variation) -> str:
+    """Return a parameter that is not the same in all shots, with the size of its variation."""
+    size = f"{with_unit(variation.size, variation.unit)} (95 % {interval_text(variation.interval)})"
+    what = {
+        "drift": f"drifts over the session, by {size} from the first shot to the last",
+        "by_side": f"is larger where y > 0 than where y < 0, by {size}",
+        "between_shots": f"differs from shot to shot, with a standard deviation of {size}",
+    }[variation.kind]
+    others = variation.possible[1:]
+    tail = f" Not separable from {listed(others)}." if others else ""
+    return f"{variation.identity} ({title(variation.identity)}) {what}; not amended.{tail}"
+
+
+def episodes_text(measured: MeasuredShots) -> str:
+    """Return how many episodes are used, and why others are not."""
+    used, recordings = len(measured.shots), measured.recordings
+    text = f"{used:,} of {measured.episodes:,} episodes in {recordings:,} recordings"
+    return _with_reasons(text, measured.left_out)
+
+
+def labels_text(labels: LabelCounts) -> str:
+    """Return how many spin labels are used, and why others are not."""
+    if not labels.read:
+        return "none"
+    reasons = {"implausible": labels.implausible, "outside these episodes": labels.elsewhere}
+    return _with_reasons(f"{labels.used:,} of {labels.read:,}", reasons)
+
+
+def reasons_text(counts: Mapping[str, int]) -> str:
+    """Return counts with their reasons, such as ``2 broken, 1 too short``."""
+    return ", ".join(f"{count:,} {reason}" for reason, count in counts.items() if count)
+
+
+def _with_reasons(text: str, counts: Mapping[str, int]) -> str:
+    reasons = reasons_text(counts)
+    return f"{text}; left out: {reasons}" if reasons else text

@@ -2,24 +2,24 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from rallygap.models.gap.hypotheses import Hypothesis
-from rallygap.models.gap.location import Located
-from rallygap.models.gap.verdict import Cause, Check, Gap, Worth
-from rallygap.pipeline.gap.figures.verdict import KIND_NAMES
-from rallygap.pipeline.gap.summary import Findings, answer_title, minor_causes
-from rallygap.pipeline.gap.wording import (
+from rallygap.models.gap.verdict import Cause, Gap, Verdict
+from rallygap.pipeline.gap.summary import (
     ROLES,
+    Findings,
+    answer_title,
     episodes_text,
-    interval_text,
     labels_text,
-    percent,
+    minor_causes,
     reasons_text,
     title,
 )
 from rallygap.pipeline.web.environment import page_environment
 from rallygap.pipeline.web.items import page_table, shown_figure
-from rallygap.pipeline.web.numbers import number, with_unit
+from rallygap.pipeline.web.labels import KIND_NAMES
+from rallygap.pipeline.web.numbers import interval_text, number, percent, with_unit
 from rallygap.pipeline.web.report_items import ReportFigure
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -41,18 +41,14 @@ def render_gap_page(
     Raises:
         InputError: a figure is missing.
     """
-    verdict = findings.verdict
-    gap, located, minor = verdict.gap, verdict.located, minor_causes(verdict)
+    verdict, gap = findings.verdict, findings.verdict.gap
     template = page_environment(TEMPLATES).get_template("gap.html")
     return template.render(
         answer=answer_title(verdict).lower(),
         outcome=findings.outcome,
         details=findings.details,
         figures={figure.name: shown_figure(figure, folder) for figure in figures},
-        checks=page_table(_checks(verdict.checks)) if verdict.checks else None,
-        causes=page_table(_causes(verdict.main_causes)) if verdict.main_causes else None,
-        minor=page_table(_minor(minor)) if minor else None,
-        growth=page_table(_growth(located)) if located and located.growth else None,
+        **_tables(verdict),
         errors=page_table(_errors(gap)) if gap else None,
         reduction=_reduction(gap),
         detectable=page_table(_detectable(findings)),
@@ -65,47 +61,53 @@ def render_gap_page(
     )
 
 
-def _causes(causes: Sequence[Cause]) -> dict[str, list[str]]:
+def _tables(verdict: Verdict) -> dict[str, Any]:
+    """Return tables by name; None in place of one that would have no row."""
+    causes, minor, checks = verdict.main_causes, minor_causes(verdict), verdict.checks
+    growth = verdict.located.growth if verdict.located else ()
+    tables = {
+        "checks": {
+            "check": [CHECKED[check.name] for check in checks],
+            "measured / expected ": [f"{check.ratio:.3g}" for check in checks],
+            "95 % interval ": [_range(check.interval) for check in checks],
+            "allowed ": [_range(check.allowed) for check in checks],
+            "passed": ["yes" if check.passed else "no" for check in checks],
+        },
+        "causes": {
+            "cause": [cause.identity for cause in causes],
+            "role": [ROLES[cause.role] for cause in causes],
+            "kind": [KIND_NAMES[cause.kind] for cause in causes],
+            **_sizes(causes),
+            "p ": [_p_cell(cause.p_value) for cause in causes],
+            "not separable from": [", ".join(cause.alternatives) or "–" for cause in causes],
+        },
+        "minor": {"parameter": [cause.identity for cause in minor], **_sizes(minor)},
+        "growth": {
+            "covariate": [one.covariate for one in growth],
+            "bins ": [str(len(one.centres)) for one in growth],
+            "share of the variance ": [percent(one.share) for one in growth],
+            "p ": [_p_cell(one.p_value) for one in growth],
+        },
+    }
     return {
-        "cause": [cause.identity for cause in causes],
-        "role": [ROLES[cause.role] for cause in causes],
-        "kind": [KIND_NAMES[cause.kind] for cause in causes],
-        **_sizes(causes),
-        "p ": [_p_cell(cause.p_value) for cause in causes],
-        "not separable from": [", ".join(cause.alternatives) or "–" for cause in causes],
+        name: page_table(columns) if any(columns.values()) else None
+        for name, columns in tables.items()
     }
 
 
-def _minor(causes: Sequence[Cause]) -> dict[str, list[str]]:
-    return {"parameter": [cause.identity for cause in causes], **_sizes(causes)}
-
-
 def _sizes(causes: Sequence[Cause]) -> dict[str, list[str]]:
+    worths = [
+        f"{cause.worth.mm:.1f} ({cause.worth.interval[0]:.1f} to {cause.worth.interval[1]:.1f})"
+        if cause.worth
+        else "–"
+        for cause in causes
+    ]
     return {
         "simulator ": [number(cause.nominal) for cause in causes],
         "estimate ": [with_unit(cause.estimate, cause.unit) for cause in causes],
         "95 % interval ": [interval_text(cause.interval) for cause in causes],
-        "worth (mm) ": [_worth_cell(cause.worth) for cause in causes],
+        "worth (mm) ": worths,
         "share of the gap ": [percent(cause.gap_share) for cause in causes],
-    }
-
-
-def _checks(checks: Sequence[Check]) -> dict[str, list[str]]:
-    return {
-        "check": [CHECKED[check.name] for check in checks],
-        "measured / expected ": [f"{check.ratio:.3g}" for check in checks],
-        "95 % interval ": [_range(check.interval) for check in checks],
-        "allowed ": [_range(check.allowed) for check in checks],
-        "passed": ["yes" if check.passed else "no" for check in checks],
-    }
-
-
-def _growth(located: Located) -> dict[str, list[str]]:
-    return {
-        "covariate": [growth.covariate for growth in located.growth],
-        "bins ": [str(len(growth.centres)) for growth in located.growth],
-        "share of the variance ": [percent(growth.share) for growth in located.growth],
-        "p ": [_p_cell(growth.p_value) for growth in located.growth],
     }
 
 
@@ -165,12 +167,6 @@ def _facts(findings: Findings) -> dict[str, str]:
         "simulator": findings.simulator_name,
         "level": f"{100 * level:g} % probability of a false cause where there is no gap",
     }
-
-
-def _worth_cell(worth: Worth | None) -> str:
-    if worth is None:
-        return "–"
-    return f"{worth.mm:.1f} ({worth.interval[0]:.1f} to {worth.interval[1]:.1f})"
 
 
 def _range(ends: tuple[float, float]) -> str:

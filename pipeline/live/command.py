@@ -3,7 +3,7 @@
 import signal
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from pathlib import Path
 
 import typer
@@ -15,11 +15,18 @@ from rallygap.pipeline.gap.expected_balls import read_expected
 from rallygap.pipeline.gap.measured_shots import read_recordings
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.live.latency import Latencies
-from rallygap.pipeline.live.messages import Measurement, ball_forecast, forecast_message
-from rallygap.pipeline.live.streams import measurements, paced, received, sockets
-from rallygap.pipeline.live.view.frame import Frame
-from rallygap.pipeline.live.view.server import open_browser, served
-from rallygap.pipeline.live.watch import Watch, alarm_sentence
+from rallygap.pipeline.live.messages import (
+    Measurement,
+    alarm_sentence,
+    ball_forecast,
+    forecast_message,
+    measurements,
+    paced,
+    received,
+    sockets,
+)
+from rallygap.pipeline.live.view import Frame, open_browser, served
+from rallygap.pipeline.live.watch import Watch
 from rallygap.pipeline.runtime.console import warn
 
 STOPS = (signal.SIGINT, signal.SIGTERM)
@@ -36,18 +43,20 @@ def forecaster(simulator: str, predictor: Path | None, balls: Path | None) -> Fo
     Raises:
         InputError: one of these cannot be read.
     """
+    compiled: ProbabilisticPredictor | None = None
+    if predictor is not None:
+        from rallygap.models.live.compiled import CompiledPredictor
+        from rallygap.pipeline.predictors.storage import load_predictor
+
+        compiled = CompiledPredictor(load_predictor(predictor))
     expected = read_expected(balls) if balls else ANY_BALL
-    compiled = _compiled(predictor) if predictor else None
     ready = Forecaster(load_simulator(simulator), compiled, expected)
-    warm_up(ready)
+    # What forecasts need is compiled now: that takes seconds on a machine that has not done it yet.
+    other = Forecaster(ready.simulator, ready.predictor)
+    for k in range(4):
+        other.observe(0.005 * k, [0.0, 1.0 - 0.03 * k, 0.3], spin=[0.0, 0.0, 0.0])
+        forecast_message(k, "used", ball_forecast(other))
     return ready
-
-
-def _compiled(folder: Path) -> ProbabilisticPredictor:
-    from rallygap.models.live.compiled import CompiledPredictor
-    from rallygap.pipeline.predictors.storage import load_predictor
-
-    return CompiledPredictor(load_predictor(folder))
 
 
 def serve(
@@ -89,7 +98,7 @@ def replay(
     Raises:
         InputError: the recordings, the address or the port cannot be used.
     """
-    rows = measurements(read_recordings(folder, source))
+    rows = measurements(read_recordings(folder, source).parts)
     with sockets(None, forecasts) as (_, sender):
         return _run(paced(rows, speed), forecaster, sender.send_string, view)
 
@@ -127,14 +136,6 @@ def forecast_each(
             show(Frame(row.time, message, ball, measured, watch.alarm))
 
 
-def warm_up(forecaster: Forecaster) -> None:
-    """Compile what forecasts need, which takes seconds on a machine that has not done it yet."""
-    other = Forecaster(forecaster.simulator, forecaster.predictor)
-    for k in range(4):
-        other.observe(0.005 * k, [0.0, 1.0 - 0.03 * k, 0.3], spin=[0.0, 0.0, 0.0])
-        forecast_message(k, "used", ball_forecast(other))
-
-
 def _run(
     rows: Iterator[Measurement],
     forecaster: Forecaster,
@@ -142,23 +143,19 @@ def _run(
     view: int | None,
 ) -> Latencies:
     latencies = Latencies()
-    with _viewed(view, latencies) as show:
+    show: Callable[[Frame], object] | None = None
+    with ExitStack() as stack:
+        if view is not None:
+            server = stack.enter_context(served(view, latencies))
+            typer.echo(f"The view is at {server.address}")
+            open_browser(server.address)
+            show = server.show
         watch = Watch(forecaster.simulator, lambda alarm: warn(alarm_sentence(alarm)))
-        with closing(watch), _stoppable(), suppress(KeyboardInterrupt):
+        stack.enter_context(closing(watch))
+        stack.enter_context(_stoppable())
+        with suppress(KeyboardInterrupt):
             forecast_each(rows, forecaster, watch, publish, latencies, show)
     return latencies
-
-
-@contextmanager
-def _viewed(port: int | None, latencies: Latencies) -> Iterator[Callable[[Frame], object] | None]:
-    """Serve the view at a port and open it in the browser; do nothing without a port."""
-    if port is None:
-        yield None
-        return
-    with served(port, latencies) as server:
-        typer.echo(f"The view is at {server.address}")
-        open_browser(server.address)
-        yield server.show
 
 
 @contextmanager

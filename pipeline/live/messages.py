@@ -1,17 +1,31 @@
-"""Messages: measurements as tennicam's server sends them, and forecasts."""
+"""Measurements as they come, and messages of forecasts.
+
+Measurements are those of tennicam's server by ZeroMQ, or of recordings as if from one.
+"""
 
 import json
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pandas as pd
+import typer
+import zmq
 
+from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.ball.state import POSITION
 from rallygap.models.ball.types import Floats
 from rallygap.models.live.drift import Alarm
 from rallygap.models.live.forecaster import Event, Forecaster, Seen
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
+from rallygap.pipeline.runtime.errors import InputError
 
 NANOSECONDS = 1e9  # in a second
+WAIT = 200  # ms, after which signals are looked at
+PAUSE = 1.0  # s on the clock between two recordings
 AHEAD = 0.01 * np.arange(1, 31)  # s after the last measurement, of the states in a forecast
 
 
@@ -68,9 +82,9 @@ def parse(message: bytes | str) -> Measurement:
         raise MessageError(f"is no JSON: {error}") from None
     if not isinstance(fields, dict):
         raise MessageError("is no JSON object with num, time and obs")
-    number, time = _number(fields, "num"), _number(fields, "time")
+    number, nanoseconds = _number(fields, "num"), _number(fields, "time")
     position, spin = _vector(fields, "obs"), _vector(fields, "spin")
-    return Measurement(int(number), time / NANOSECONDS, position, spin)
+    return Measurement(int(number), nanoseconds / NANOSECONDS, position, spin)
 
 
 def _number(fields: dict[str, Any], name: str) -> float:
@@ -91,6 +105,84 @@ def _vector(fields: dict[str, Any], name: str) -> Floats | None:
     if vector.shape != (3,) or not np.isfinite(vector).all():
         raise MessageError(f"has {name} = {value!r}; give three finite numbers, or null")
     return vector
+
+
+@contextmanager
+def sockets(observations: str | None, forecasts: str) -> Iterator[tuple[zmq.Socket, zmq.Socket]]:
+    """Open the socket that measurements come from, and the one that forecasts go to.
+
+    Args:
+        observations: address of a publisher; None to receive nothing.
+        forecasts: address to publish at.
+
+    Raises:
+        InputError: an address cannot be used.
+    """
+    context = zmq.Context()
+    receiver, sender = context.socket(zmq.SUB), context.socket(zmq.PUB)
+    try:
+        receiver.setsockopt(zmq.SUBSCRIBE, b"")
+        # A signal just before a wait without end would be noticed with the next message only.
+        receiver.setsockopt(zmq.RCVTIMEO, WAIT)
+        if observations is not None:
+            _open(receiver.connect, "--observations", observations)
+        _open(sender.bind, "--forecasts", forecasts)
+        yield receiver, sender
+    finally:
+        context.destroy(linger=0)
+
+
+def received(receiver: zmq.Socket) -> Iterator[Measurement]:
+    """Yield measurements as they come; a message that is none is named once and left out."""
+    named = False
+    while True:
+        try:
+            measurement = parse(receiver.recv())
+        except zmq.Again:
+            continue
+        except MessageError as error:
+            if not named:
+                typer.echo(f"A message {error}; such messages are left out.", err=True)
+            named = True
+            continue
+        yield measurement
+
+
+def measurements(parts: Iterable[pd.DataFrame]) -> Iterator[Measurement]:
+    """Yield the rows of recordings, one recording after the other on one clock.
+
+    Args:
+        parts: rows of ``RECORDINGS``, each with whole recordings.
+    """
+    number, now = 0, 0.0
+    for part in parts:
+        for _, rows in part.groupby("recording_id", sort=False):
+            times = rows["t"].to_numpy(dtype=np.float64)
+            times = now + times - times[0]
+            places = rows[POSITION_COLUMNS].to_numpy(dtype=np.float64)
+            spins = rows[SPIN_COLUMNS].to_numpy(dtype=np.float64)
+            for t, place, spin in zip(times.tolist(), places, spins, strict=True):
+                yield Measurement(number, t, place, spin if np.isfinite(spin).all() else None)
+                number += 1
+            now = float(times[-1]) + PAUSE
+
+
+def paced(rows: Iterable[Measurement], speed: float) -> Iterator[Measurement]:
+    """Yield measurements when they are due, ``speed`` times as fast as they were recorded."""
+    zero = None  # when the recording's time zero is, on the clock of this process
+    for row in rows:
+        if zero is None:
+            zero = time.monotonic() - row.time / speed
+        time.sleep(max(zero + row.time / speed - time.monotonic(), 0.0))
+        yield row
+
+
+def _open(connect: Callable[[str], object], option: str, address: str) -> None:
+    try:
+        connect(address)
+    except zmq.ZMQError as error:
+        problem = f"cannot be used: {error}; give one like tcp://127.0.0.1:7660"
+        raise InputError(option, problem, field=address) from None
 
 
 def ball_forecast(forecaster: Forecaster) -> BallForecast | None:
@@ -118,40 +210,41 @@ def forecast_message(
         "seen": seen,
         "time": None,
         "states": None,
-        "drift": _drift(alarm),
+        "drift": None,
     }
+    if alarm is not None:
+        message["drift"] = {
+            "identity": alarm.hypothesis.identity,
+            "change": alarm.change,
+            "error": alarm.error,
+            "possible": [hypothesis.identity for hypothesis in alarm.possible],
+        }
     if ball is not None:
-        errors = np.sqrt(ball.covariances[:, range(3), range(3)])
+        errors, bounce = np.sqrt(ball.covariances[:, range(3), range(3)]), ball.bounce
         message |= {
-            "time": _nanoseconds(ball.time),
+            "time": round(ball.time * NANOSECONDS),
             "ahead": AHEAD.round(3).tolist(),
             "states": ball.states.round(5).tolist(),
             "position_errors": errors.round(5).tolist(),
-            "bounce": _event(ball.bounce),
+            "bounce": None
+            if bounce is None
+            else {
+                "time": round(bounce.time * NANOSECONDS),
+                "time_error": round(bounce.time_error, 5),
+                "state": bounce.state.round(5).tolist(),
+            },
         }
     return json.dumps(message)
 
 
-def _drift(alarm: Alarm | None) -> dict[str, Any] | None:
-    if alarm is None:
-        return None
-    return {
-        "identity": alarm.hypothesis.identity,
-        "change": alarm.change,
-        "error": alarm.error,
-        "possible": [hypothesis.identity for hypothesis in alarm.possible],
-    }
-
-
-def _event(event: Event | None) -> dict[str, Any] | None:
-    if event is None:
-        return None
-    return {
-        "time": _nanoseconds(event.time),
-        "time_error": round(event.time_error, 5),
-        "state": event.state.round(5).tolist(),
-    }
-
-
-def _nanoseconds(time: float) -> int:
-    return round(time * NANOSECONDS)
+def alarm_sentence(alarm: Alarm) -> str:
+    """Return an alarm in words."""
+    hypothesis, unit = alarm.hypothesis, alarm.hypothesis.declaration.unit
+    size = f"{alarm.change:+.3g}" + (f" {unit}" if unit != "1" else "")
+    others = ", ".join(other.identity for other in alarm.possible[1:])
+    tail = f" Not separable from {others}." if others else ""
+    return (
+        f"The world has left the simulator: {hypothesis.identity} "
+        f"({catalogue()[hypothesis.effect].title}) has changed by {size} (standard error "
+        f"{alarm.error:.2g}) in the last {alarm.shots} shots.{tail} Diagnose new recordings."
+    )

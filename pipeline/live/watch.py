@@ -9,7 +9,6 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.live.drift import Alarm, Session, Shot
 from rallygap.models.live.forecaster import Seen
@@ -19,29 +18,6 @@ from rallygap.pipeline.live.messages import Measurement
 LEAST = 20  # measurements of a shot
 Row = tuple[float, np.ndarray, np.ndarray]  # time, position and spin
 NO_SPIN = np.full(3, np.nan)
-
-
-class ShotCollector:
-    """Collects the measurements of the present ball until another one comes."""
-
-    def __init__(self) -> None:
-        self._rows: list[Row] = []
-
-    def observe(self, row: Measurement, seen: Seen, ball: Track) -> Shot | None:
-        """Take a measurement; return the last ball's shot when another ball has come."""
-        if seen == "new ball":
-            first = zip(ball.times, ball.positions.copy(), ball.spins.copy(), strict=True)
-            rows, self._rows = self._rows, list(first)
-            return _shot(rows) if len(rows) >= LEAST else None
-        if seen == "used" and row.position is not None:
-            self._rows.append((row.time, row.position, NO_SPIN if row.spin is None else row.spin))
-        return None
-
-
-def _shot(rows: list[Row]) -> Shot:
-    in_order = sorted(rows, key=lambda row: row[0])
-    times, positions, spins = (np.array(part) for part in zip(*in_order, strict=True))
-    return times, positions, spins
 
 
 class Watch:
@@ -58,7 +34,7 @@ class Watch:
     def __init__(self, simulator: Simulator, on_alarm: Callable[[Alarm], None]) -> None:
         self.alarm: Alarm | None = None
         self._on_alarm = on_alarm
-        self._collector = ShotCollector()
+        self._rows: list[Row] = []  # of the present ball, in the order in which they came
         self._pending: deque[Future[Alarm | None]] = deque()
         self._worker = ProcessPoolExecutor(
             1, get_context("spawn"), initializer=partial(_start, simulator)
@@ -71,9 +47,15 @@ class Watch:
         """
         if self.alarm:
             return
-        shot = self._collector.observe(row, seen, ball)
-        if shot is not None:
-            self._pending.append(self._worker.submit(_add, shot))
+        if seen == "new ball":
+            if len(self._rows) >= LEAST:
+                in_order = sorted(self._rows, key=lambda one: one[0])
+                times, positions, spins = map(np.array, zip(*in_order, strict=True))
+                self._pending.append(self._worker.submit(_add, (times, positions, spins)))
+            first = zip(ball.times, ball.positions.copy(), ball.spins.copy(), strict=True)
+            self._rows = list(first)
+        elif seen == "used" and row.position is not None:
+            self._rows.append((row.time, row.position, NO_SPIN if row.spin is None else row.spin))
         while self._pending and self._pending[0].done():
             self.alarm = self._pending.popleft().result()
             if self.alarm:
@@ -83,19 +65,6 @@ class Watch:
     def close(self) -> None:
         """End the process."""
         self._worker.shutdown(wait=False, cancel_futures=True)
-
-
-def alarm_sentence(alarm: Alarm) -> str:
-    """Return an alarm in words."""
-    hypothesis, unit = alarm.hypothesis, alarm.hypothesis.declaration.unit
-    size = f"{alarm.change:+.3g}" + (f" {unit}" if unit != "1" else "")
-    others = ", ".join(other.identity for other in alarm.possible[1:])
-    tail = f" Not separable from {others}." if others else ""
-    return (
-        f"The world has left the simulator: {hypothesis.identity} "
-        f"({catalogue()[hypothesis.effect].title}) has changed by {size} (standard error "
-        f"{alarm.error:.2g}) in the last {alarm.shots} shots.{tail} Diagnose new recordings."
-    )
 
 
 _session: Session  # of the worker

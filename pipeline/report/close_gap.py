@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rallygap.models.gap.verdict import Cause, Gap, Verdict
-from rallygap.pipeline.gap.figures.verdict import (
+from rallygap.pipeline.gap.figures import (
     ROW_HEIGHT,
     add_legend,
     draw_departure,

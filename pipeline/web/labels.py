@@ -1,4 +1,6 @@
-"""What predictors, simulators and methods are called in figures and tables."""
+"""What predictors, simulators, methods and causes are called in figures and tables."""
+
+from rallygap.models.gap.types import Phase
 
 PREDICTORS = {
     "physics_c": "physics, simulator C",
@@ -38,6 +40,12 @@ METHODS = {
     "sindy_ensemble": "SINDy, ensemble",
     "evidence_greedy": "evidence, greedy",
     "identification": "identification",
+}
+KIND_NAMES = {"wrong_value": "wrong value", "missing_effect": "missing effect"}
+PLACES: dict[Phase, str] = {
+    "flight": "in flight",
+    "table": "at the table",
+    "sensor": "in the measurement",
 }
 
 

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import pandas as pd
-from numpy.typing import NDArray
 
 from rallygap.models.ball.types import Floats
 from rallygap.models.gap.fit.shots import spread_evenly
@@ -58,10 +56,17 @@ class Track:
     positions: Floats
     spins: Floats
 
+    @property
+    def speed(self) -> float:
+        """Median speed over several samples, m/s."""
+        lag = max(len(self.times) // 10, 1)
+        steps = np.linalg.norm(self.positions[lag:] - self.positions[:-lag], axis=1)
+        return float(np.median(steps / (self.times[lag:] - self.times[:-lag])))
+
 
 @dataclass(frozen=True)
 class Fall:
-    """Accelerations of the ball, in units of the tracks' positions and s.
+    """How the ball falls, in units of the tracks' positions and s.
 
     Attributes:
         acceleration: (3,) that all windows share, across the direction of flight, where drag does
@@ -114,12 +119,7 @@ class Measured:
 
     @classmethod
     def by(cls, tables: Sequence[RawTable], frame: Frame) -> "Measured":
-        """Return what recordings measured.
-
-        Args:
-            tables: as the source reads them.
-            frame: their transformation into the table frame.
-        """
+        """Return what tables measured, transformed into the table frame."""
         chosen = spread_evenly(len(tables), min(MOST_TRACKS, len(tables)))
         return cls(tuple(_tracks([tables[k] for k in chosen], frame)))
 
@@ -149,7 +149,10 @@ class Measured:
         windows = np.array([row for track in self.tracks for row in _windows(track, self.second)])
         if len(windows) < FEWEST_WINDOWS:
             return None
-        windows = windows[_is_flight(windows)]
+        # Those of a ball that moves and touches nothing.
+        speeds, residuals = np.linalg.norm(windows[:, :3], axis=1), windows[:, 6]
+        moves = speeds > RESTING * np.quantile(speeds, 0.9)
+        windows = windows[moves & (residuals <= KINK * np.median(residuals[moves]))]
         velocities, accelerations = windows[:, :3], windows[:, 3:6]
         return Fall(_shared_across(velocities, accelerations), velocities)
 
@@ -182,9 +185,8 @@ def coordinate_noise(paths: Sequence[Floats]) -> float:
         paths: (n, 3) positions of each recording, m.
     """
     usual = SegmentSettings().noise
-    sizes = np.concatenate(
-        [np.empty(0), *(np.abs(np.diff(path, 3, axis=0)).ravel() for path in paths)]
-    )
+    parts = [np.abs(np.diff(path, 3, axis=0)).ravel() for path in paths]
+    sizes = np.concatenate([np.empty(0), *parts])
     if not len(sizes):
         return usual
     return float(np.clip(TO_DEVIATION * np.median(sizes) / DIFFERENCE, usual, LARGEST_NOISE))
@@ -211,19 +213,14 @@ def _tracks(tables: Sequence[RawTable], frame: Frame) -> Iterator[Track]:
         rows = table.rows.reindex(columns=SAMPLE_COLUMNS).astype(float)
         rows = rows[np.isfinite(rows[["t", *POSITION_COLUMNS]].to_numpy()).all(axis=1)]
         rises = rows["t"] > rows["t"].cummax().shift(fill_value=-np.inf)
-        rows = frame.to_table(rows[rises])
+        rows = frame.to_table(rows[rises]).reset_index(drop=True)
+        # A label that is repeated in every row holds for the first row only.
+        labels = rows[SPIN_COLUMNS].dropna()
+        if len(labels) > 1 and (labels == labels.iloc[0]).all(axis=None):
+            rows.loc[labels.index[1:], SPIN_COLUMNS] = np.nan
         if len(rows) >= FEWEST_SAMPLES:
-            spins = _once(rows[SPIN_COLUMNS].to_numpy())
-            yield Track(rows["t"].to_numpy(), rows[POSITION_COLUMNS].to_numpy(), spins)
-
-
-def _once(spins: Floats) -> Floats:
-    """Return labels, of which one that is repeated in every row holds for the first row only."""
-    labels = pd.DataFrame(spins).dropna()
-    if len(labels) > 1 and (labels == labels.iloc[0]).all(axis=None):
-        spins = spins.copy()
-        spins[labels.index[1] :] = np.nan
-    return spins
+            columns = ("t", POSITION_COLUMNS, SPIN_COLUMNS)
+            yield Track(*(rows[column].to_numpy() for column in columns))
 
 
 def _windows(track: Track, second: float) -> Iterator[Floats]:
@@ -245,13 +242,6 @@ def _parabola(times: Floats, positions: Floats) -> tuple[Floats, Floats, float]:
     coefficients = np.linalg.lstsq(terms, positions)[0]
     residuals = positions - terms @ coefficients
     return coefficients[1], 2 * coefficients[0], float(np.sqrt((residuals**2).mean()))
-
-
-def _is_flight(windows: Floats) -> NDArray[np.bool_]:
-    """Return which windows have a ball that moves and touches nothing."""
-    speeds, residuals = np.linalg.norm(windows[:, :3], axis=1), windows[:, 6]
-    moves = speeds > RESTING * np.quantile(speeds, 0.9)
-    return np.asarray(moves & (residuals <= KINK * np.median(residuals[moves])))
 
 
 def _shared_across(velocities: Floats, accelerations: Floats) -> Floats:

@@ -40,14 +40,15 @@ def some_of(effects):
     )
 
 
-def audited(simulator):
-    return audit(EffectsEngine("mine", simulator))
+def audited(simulator, patience=1e-9):
+    """The audit of a simulator; by the fewest probes unless patience is longer."""
+    return audit(EffectsEngine("mine", simulator), patience=patience)
 
 
 @pytest.mark.parametrize("name", shipped_names())
 def test_a_shipped_simulator_is_found_as_it_is(name):
     truth = shipped(name)
-    found = audited(truth)
+    found = audited(truth, patience=np.inf)
     names = set(truth.effects) - {"net", "racket_bounce"}
     assert {one.hypothesis.effect for one in found.effects} == names
     for one in found.effects:
@@ -55,7 +56,7 @@ def test_a_shipped_simulator_is_found_as_it_is(name):
     assert max(one.largest_mm for one in found.unexplained.values()) < 0.01
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(some_of(FLIGHT), some_of(TABLE))
 def test_lists_are_found_again_within_a_percent(flight, table):
     truth = Simulator.from_dict({**PLAIN, **flight, **table})

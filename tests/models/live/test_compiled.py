@@ -1,5 +1,7 @@
 """A compiled network forecasts what torch does, and in a forecaster as any predictor."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import torch
@@ -26,60 +28,54 @@ NETWORKS = {
 }
 
 
-@pytest.fixture(scope="module", params=list(NETWORKS))
-def learned(request):
+@cache
+def learned(name):
     torch.manual_seed(0)
-    simulator = TRUTH if request.param == "hybrid" else None
-    untrained = build_network(NETWORKS[request.param], simulator)
+    untrained = build_network(NETWORKS[name], TRUTH if name == "hybrid" else None)
     untrained.normaliser.future_spread.fill_(0.3)
     return LearnedPredictor(untrained, Spread())
 
 
-def thrown(forecaster):
+@cache
+def compiled(name):
+    return CompiledPredictor(learned(name))
+
+
+def thrown(predictor):
+    forecaster = Forecaster(TRUTH, predictor)
     for k in range(12):
         forecaster.observe(0.005 * k, [0.0, 1.0 - 0.03 * k, 0.3])
     return forecaster
 
 
-def test_forecasts_and_covariances_are_those_of_torch(learned):
-    compiled = CompiledPredictor(learned)
+@pytest.mark.parametrize("name", NETWORKS)
+def test_forecasts_and_covariances_are_those_of_torch(name):
     history, _ = observed(noise=0.003)
     for k in range(3):
-        forecast, covariances = compiled.predict_with_covariances(history[k : k + 1])
-        expected, spread = learned.predict_with_covariances(history[k : k + 1])
+        forecast, covariances = compiled(name).predict_with_covariances(history[k : k + 1])
+        expected, spread = learned(name).predict_with_covariances(history[k : k + 1])
         np.testing.assert_allclose(forecast.states, expected.states, atol=2e-4)
         np.testing.assert_allclose(covariances, spread, atol=1e-4 * spread.max())
         assert forecast.spin_measured == expected.spin_measured
-
-
-def test_a_forecaster_takes_it(learned):
-    forecaster = thrown(Forecaster(TRUTH, CompiledPredictor(learned)))
+    forecaster = thrown(compiled(name))
     states, covariances = forecaster.predict(forecaster.last + np.array([0.1, 0.2]))
     assert np.isfinite(states).all() and np.isfinite(covariances).all()
 
 
-def test_between_two_horizons_forecasts_are_those_of_all(learned):
-    asked = np.array([0.1149, 0.12, 0.1251])
-    found = []
-    for compiled in (CompiledPredictor(learned), CompiledPredictor(learned, (0.115, 0.125))):
-        forecaster = thrown(Forecaster(TRUTH, compiled))
-        found.append(forecaster.predict(forecaster.last + asked))
-    for one, other in zip(*found, strict=True):
+@pytest.mark.parametrize("name", ["transformer", "transformer of single rows"])
+def test_between_two_horizons_forecasts_are_those_of_all_and_others_are_refused(name):
+    whole, part = thrown(compiled(name)), thrown(CompiledPredictor(learned(name), (0.115, 0.125)))
+    asked = whole.last + np.array([0.1149, 0.12, 0.1251])
+    for one, other in zip(whole.predict(asked), part.predict(asked), strict=True):
         np.testing.assert_allclose(one, other, atol=2e-4 * np.abs(one).max())
-
-
-def test_other_horizons_are_refused():
-    torch.manual_seed(0)
-    learned = LearnedPredictor(build_network(NETWORKS["transformer"]), Spread())
-    forecaster = thrown(Forecaster(TRUTH, CompiledPredictor(learned, (0.115, 0.125))))
-    for ask in (lambda: forecaster.predict([forecaster.last + 0.2]), forecaster.bounce):
+    for ask in (lambda: part.predict([part.last + 0.2]), part.bounce):
         with pytest.raises(ValueError, match="compiled"):
             ask()
 
 
-def test_without_a_spread_nothing_is_compiled(learned):
+def test_without_a_spread_nothing_is_compiled():
     with pytest.raises(ValueError, match="no spread"):
-        CompiledPredictor(LearnedPredictor(learned.network))
+        CompiledPredictor(LearnedPredictor(learned("tae").network))
 
 
 def test_a_large_transformer_changes_by_less_than_a_millimetre():

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from rallygap.models.predictors.errors import EVALUATED, HORIZONS_MS
-from rallygap.models.predictors.protocol import HISTORY, History
+from rallygap.models.predictors.protocol import FUTURE, HISTORY, Forecast, History
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, STATE_COLUMNS
 
 
@@ -25,7 +25,4 @@ class ZeroPredictor:
     """Forecasts zero states."""
 
     def predict(self, history):
-        """Forecast the origin."""
-        from rallygap.models.predictors.protocol import FUTURE, Forecast
-
         return Forecast(np.zeros((len(history), FUTURE, 9)), np.ones(len(history), bool))

@@ -29,27 +29,20 @@ def refusal(path, forecasts, sets):
     return str(refused.value).removeprefix(str(path))
 
 
-CHANGES = {
-    "unknown": (("window_id", "ffff"), r", row 7, window_id: ffff is no window of this run; run `"),
-    "nan": (("px", np.nan), r", row 7, px: breaks not_nullable"),
-    "infinite": (("vy", np.inf), r", row 7, vy: breaks in_range"),
-    "huge": (("wz", 1e300), r", row 7, wz: breaks in_range"),
-    "horizon": (("horizon_ms", 101), r", row 7, horizon_ms: breaks isin"),
-}
-
-
-@pytest.mark.parametrize("change", CHANGES)
-def test_an_invalid_row_is_named_with_its_field(tmp_path, sets, forecasts, change):
-    (column, value), expected = CHANGES[change]
+@pytest.mark.parametrize(
+    ("column", "value", "problem"),
+    [
+        ("window_id", "ffff", r"window_id: ffff is no window of this run; run `"),
+        ("px", np.nan, "px: breaks not_nullable"),
+        ("vy", np.inf, "vy: breaks in_range"),
+        ("wz", 1e300, "wz: breaks in_range"),
+        ("horizon_ms", 101, "horizon_ms: breaks isin"),
+        ("horizon_ms", 125, r"window_id: \w{16} has this horizon twice; keep one row"),
+    ],
+)
+def test_an_invalid_row_is_named_with_its_field(tmp_path, sets, forecasts, column, value, problem):
     forecasts.loc[6, column] = value
-    assert re.match(expected, refusal(tmp_path / "f.parquet", forecasts, sets))
-
-
-def test_a_horizon_given_twice_is_named_with_its_row(tmp_path, sets, forecasts):
-    forecasts.loc[6] = forecasts.loc[5]
-    name = forecasts.loc[5, "window_id"]
-    expected = f", row 7, window_id: {name} has this horizon twice; keep one row"
-    assert refusal(tmp_path / "f.parquet", forecasts, sets) == expected
+    assert re.match(f", row 7, {problem}", refusal(tmp_path / "f.parquet", forecasts, sets))
 
 
 def test_a_missing_window_is_named_and_the_others_counted(tmp_path, sets, forecasts):

@@ -2,7 +2,6 @@
 
 import io
 import json
-import os
 import re
 import subprocess
 import sys
@@ -12,19 +11,19 @@ import numpy as np
 import pandas as pd
 import pytest
 from rich.console import Console
+from typer.testing import CliRunner
 
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
-from rallygap.models.predictors.windows import cut_windows
 from rallygap.pipeline.benchmark.scores import score, score_tables, write_scores
 from rallygap.pipeline.benchmark.windows import export_windows, run_sets, window_table
+from rallygap.pipeline.cli import app
 from rallygap.pipeline.evaluation.predictors import read_predictors
 from rallygap.pipeline.report.stages import write_report
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.evaluate_predictor import evaluate_predictor
 from tests.pipeline.benchmark.forecasting import ZeroPredictor, forecasts_of
-from tests.pipeline.measured_shots import params, write_inputs, write_trained
-from tests.stages.small_runs import run_ingest, run_segment
+from tests.pipeline.measured_shots import params, write_inputs
 
 REPOSITORY = Path(__file__).parents[3]
 NUMBERS = ["mean", "std", "n", "ci_low", "ci_high"]
@@ -78,17 +77,14 @@ def test_the_tables_show_theirs_above_ours(tmp_path, root, sets):
     one_set = [one for one in sets if one.name == "arena"]  # the other is left out
     scores = scored(root, forecasts_of(ZeroPredictor(), window_table(one_set)), tmp_path)
     assert set(scores["set"]) == {"arena"}
-    shown = io.StringIO()
-    console = Console(file=shown, width=140)
+    console = Console(file=io.StringIO(), width=140)
     for table in score_tables(scores, "mine.parquet"):
         console.print(table)
-    text = shown.getvalue()
+    text = console.file.getvalue()
     assert "…" not in text
-    assert "arena: mean error of the position (mm)" in text
     first = text.split("arena: mean error of the position (mm)")[1].splitlines()[2:]
-    assert [line.split()[0] for line in first[:5]] == [
-        "mine.parquet", "physics_true", "physics_c", "oracle", "tiny"
-    ]  # fmt: skip
+    names = ["mine.parquet", "physics_true", "physics_c", "oracle", "tiny"]
+    assert [line.split()[0] for line in first[:5]] == names
 
 
 def test_a_file_named_like_one_of_our_predictors_is_an_error(tmp_path, root, sets):
@@ -98,38 +94,15 @@ def test_a_file_named_like_one_of_our_predictors_is_an_error(tmp_path, root, set
         score(root, params(), path)
 
 
-@pytest.mark.real
-def test_windows_of_a_public_set_are_exported_and_scored(tmp_path, real_data):
-    run_ingest(tmp_path, real_data, ["tt3d"])
-    run_segment(tmp_path)
-    write_trained(tmp_path, "tiny")
-    sets = run_sets(tmp_path, params())
-    export_windows(sets, tmp_path / "windows")
-    exported = pd.read_parquet(tmp_path / "windows" / "windows.parquet")
-    flights = [one for one in sets[0].episodes if len(cut_windows(one.episode, every=0.05))]
-    assert exported["window_id"].nunique() == len(flights) > 10
-    scores = scored(tmp_path, forecasts_of(ZeroPredictor(), exported), tmp_path)
-    errors = scores.query("quantity == 'position' and horizon_ms == 100")
-    by_name = errors.set_index("predictor")["mean"]
-    assert by_name["physics_true"] < 0.2 * by_name["mine.parquet"]
-
-
-@pytest.fixture(scope="module")
-def repository(tmp_path_factory, root):
-    """A repository with that run's artefacts, whose parameters are the repository's own."""
-    made = tmp_path_factory.mktemp("repository")
-    (made / "artifacts").symlink_to(root / "artifacts")
+@pytest.fixture
+def repository(tmp_path, root, monkeypatch):
+    """The present folder: a repository with that run's artefacts and the usual parameters."""
+    (tmp_path / "artifacts").symlink_to(root / "artifacts")
     for name in ("params.yaml", "pyproject.toml"):
-        (made / name).write_bytes((REPOSITORY / name).read_bytes())
-    return made
-
-
-def rallygap(*words, cwd):
-    environment = {**os.environ, "PYTHONPATH": str(REPOSITORY), "COLUMNS": "80"}
-    command = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main()"]
-    return subprocess.run(
-        [*command, *words], cwd=cwd, env=environment, capture_output=True, text=True
-    )
+        (tmp_path / name).write_bytes((REPOSITORY / name).read_bytes())
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+    return tmp_path
 
 
 def test_the_forecaster_of_the_documentation_runs(repository):
@@ -141,10 +114,10 @@ def test_the_forecaster_of_the_documentation_runs(repository):
     for words in re.findall(
         r"^rallygap (benchmark [^#\n]+?)\s*(?:#.*)?$", page, flags=re.MULTILINE
     ):
-        finished = rallygap(*words.split(), cwd=repository)
-        assert (finished.returncode, finished.stderr) == (0, "")
+        finished = CliRunner().invoke(app, words.split(), catch_exceptions=False)
+        assert (finished.exit_code, finished.stderr) == (0, "")
         if "export" in words:
-            subprocess.run([sys.executable, "my_forecaster.py"], cwd=repository, check=True)
+            subprocess.run([sys.executable, "my_forecaster.py"], check=True)
     assert "forecasts.parquet" in finished.stdout
     assert "physics_c" in finished.stdout
 
@@ -160,8 +133,7 @@ def test_the_forecaster_of_the_documentation_runs(repository):
 def test_scores_that_cannot_be_written_are_refused_before_any_are_made(repository, out, says):
     forecasts = repository / "mine.parquet"
     forecasts.write_text("not read at all")
-    refused = rallygap("benchmark", "score", "mine.parquet", "--out", out, cwd=repository)
-    assert refused.returncode == 2
-    assert says in refused.stderr
-    assert len(refused.stderr.splitlines()) == 1
+    words = ["benchmark", "score", "mine.parquet", "--out", out]
+    with pytest.raises(InputError, match=says):
+        CliRunner().invoke(app, words, catch_exceptions=False)
     assert forecasts.read_text() == "not read at all"

@@ -5,8 +5,14 @@ import pandas as pd
 import pytest
 
 from rallygap.models.predictors.protocol import HISTORY
-from rallygap.pipeline.benchmark.schemas import FORECASTS, WINDOWS, type_of
-from rallygap.pipeline.benchmark.windows import export_windows, window_ids, window_table
+from rallygap.pipeline.benchmark.windows import (
+    FORECASTS,
+    WINDOWS,
+    export_windows,
+    type_of,
+    window_ids,
+    window_table,
+)
 from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
 from rallygap.pipeline.runtime.errors import InputError
@@ -15,26 +21,20 @@ from tests.pipeline.measured_shots import params, write_inputs
 EVERY = params().evaluate_predictor.window_every_ms / 1000  # s
 
 
-def test_the_table_holds_every_history_exactly_and_its_mask(sets):
+def test_the_table_holds_every_history_exactly_and_nothing_of_a_future(sets):
     table = window_table(sets)
     for one in sets:
         rows = table[table["set"] == one.name].set_index("window_id")
-        for name, states, mask in zip(
-            window_ids(one), one.windows.history.states, one.windows.history.mask, strict=True
-        ):
+        history = one.windows.history
+        for name, states, mask in zip(window_ids(one), history.states, history.mask, strict=True):
             window = rows.loc[name]
             assert len(window) == HISTORY
             found = window[[*POSITION_COLUMNS, *SPIN_COLUMNS]].to_numpy()
             np.testing.assert_array_equal(found, np.where(mask, states, np.nan))
             assert (window["position_measured"] == mask[:, :3].all(axis=1)).all()
             assert (window["spin_measured"] == mask[:, 3:].all(axis=1)).all()
-
-
-def test_no_row_contains_a_future(sets):
-    for one in sets:
-        given = set(window_table([one])["px"])
         future = one.windows.future[..., 0][one.windows.measured[..., 0]]
-        assert len(future) and not given & set(future)
+        assert len(future) and not set(rows["px"]) & set(future)
 
 
 def test_every_flight_has_one_window_of_those_that_are_evaluated(root, sets):

@@ -19,28 +19,23 @@ def simulator(name="imperfect_c", without=()):
     return ComparedSimulatorSettings(simulator=name, without=list(without))
 
 
-def settings(**changes):
+def settings(shots=8):
     known = {"c": simulator(), "bare": simulator(without=["magnus"])}
-    return CloseGapSettings(
-        **{"simulators": known, "splits": 2, "shots": 8, "level": 0.01, **changes}
-    )
+    return CloseGapSettings(simulators=known, splits=2, shots=shots, level=0.01)
 
 
 def episodes(recordings=12, each=1):
-    """Episodes that no two are alike."""
-    found = []
+    """Episodes that no two are alike, none of which touches the net."""
     for number in range(recordings * each):
         places = np.full((20, 3), float(number))
-        whole = Episode(TIMES, places, places, places, TIMES < 0, 0 * TIMES, np.empty(0))
+        whole = Episode(TIMES, places, places, places, TIMES < 0, 0 * TIMES, NONE)
         recording = f"lab/{number // each:02d}"
         name = f"{recording}/{number % each}"
-        found.append(MeasuredEpisode(name, recording, "lab", "train", True, whole, NONE, NONE))
-    return found
+        yield MeasuredEpisode(name, recording, "lab", "train", True, whole, NONE, NONE)
 
 
 def shots(recordings=12):
-    """Shots of a source, none of which touches the net."""
-    return source_shots(episodes(recordings))
+    return source_shots(list(episodes(recordings)))
 
 
 def kept_from_naming(case):
@@ -49,12 +44,8 @@ def kept_from_naming(case):
 
 def test_every_source_meets_every_simulator_in_every_split():
     found = list(cases({"lab": shots(), "other": shots(4)}, settings(), seed=0))
-    names = [
-        f"{source}-{name}-{k}"
-        for source in ("lab", "other")
-        for name in ("c", "bare")
-        for k in (0, 1)
-    ]
+    simulators = [f"{name}-{k}" for name in ("c", "bare") for k in (0, 1)]
+    names = [f"{source}-{each}" for source in ("lab", "other") for each in simulators]
     assert [one.name for one in found] == names
     assert [len(one.shots) for one in found] == [8] * 4 + [4] * 4
     assert {one.level for one in found} == {0.01}
@@ -67,21 +58,17 @@ def test_a_split_has_the_same_shots_for_all_simulators_and_others_than_the_next(
 
 
 def test_shots_of_a_recording_stay_together():
-    shots = drawn(episodes(recordings=6, each=3), 18, np.random.default_rng(0))
-    recordings = [name.rsplit("/", 1)[0] for name in shots.names]
+    shots = drawn(list(episodes(recordings=6, each=3)), 18, np.random.default_rng(0))
+    recordings = np.array([name.rsplit("/", 1)[0] for name in shots.names])
     assert len(set(zip(recordings, shots.groups, strict=True))) == 6
     held = held_out(shots, DEFAULTS)
-    assert not {r for r, out in zip(recordings, held, strict=True) if out} & {
-        r for r, out in zip(recordings, held, strict=True) if not out
-    }
+    assert not set(recordings[held]) & set(recordings[~held])
 
 
 def test_effects_can_be_taken_out_of_a_simulator():
-    whole, less = (
-        nominal_simulator(simulator(), "c").effects,
-        nominal_simulator(simulator(without=["magnus"]), "c").effects,
-    )
-    assert set(whole) - set(less) == {"magnus"}
+    whole = nominal_simulator(simulator(), "c").effects
+    less = nominal_simulator(simulator(without=["magnus"]), "c").effects
+    assert "magnus" in whole
     assert less == {name: values for name, values in whole.items() if name != "magnus"}
 
 
@@ -91,7 +78,7 @@ def test_effects_can_be_taken_out_of_a_simulator():
         (simulator("imperfect_d"), "imperfect_d.*did you mean imperfect_"),
         (
             simulator(without=["wind"]),
-            r"close_gap\.simulators\.mine: has no effect wind to remove; it has gravity",
+            "mine: has no effect wind to remove; it has gravity",
         ),
         (simulator(without=["table_bounce"]), r"close_gap\.simulators\.mine: needs table_bounce"),
     ],

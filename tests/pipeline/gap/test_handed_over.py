@@ -8,14 +8,12 @@ pytest.importorskip("mujoco")
 
 from rallygap.pipeline.engines.export.scene.amended_scene import AmendedScene
 from rallygap.pipeline.engines.load import load_scene
-from rallygap.pipeline.gap.diagnose_folder import diagnose_folder, write_findings
-from rallygap.pipeline.gap.handed_over import handed_over
+from rallygap.pipeline.gap.diagnose_folder import diagnose_folder, handed_over, write_findings
 from rallygap.pipeline.runtime.errors import InputError
-from tests.pipeline.engines.export.scenes import SCENE, does, file_of, plain
+from tests.pipeline.engines.export.scenes import SCENE, does, file_of
 from tests.pipeline.verdicts import WIND, findings, verdict
 
 ORIGIN = "wind.x: missing before; estimated 0.61 m/s from lab (95 % 0.59 to 0.63); verdict named"
-FLAG = '<option density="1.2"><flag spring="disable" damper="disable"/></option>'
 
 
 def found_in(folder, text):
@@ -26,7 +24,7 @@ def found_in(folder, text):
 
 def test_a_scene_and_code_are_given_back_with_their_verification(tmp_path):
     found = found_in(tmp_path, SCENE)
-    handed = handed_over(found, minor=False)
+    handed = handed_over(found)
     assert ORIGIN in handed.text and ORIGIN in handed.code
     assert handed.sentences[0] == "Changed attributes of lab.xml: wind."
     found = replace(found, handed=handed)
@@ -37,14 +35,6 @@ def test_a_scene_and_code_are_given_back_with_their_verification(tmp_path):
     assert "200 shots differ from the list by at most" in (out / "report.html").read_text()
     write_findings(replace(found, simulator_name="sim.yaml", handed=None), out)
     assert not (out / "scene.xml").exists() and not (out / "ball_effects.py").exists()
-
-
-def test_a_scene_that_cannot_be_amended_is_said(tmp_path):
-    found = found_in(tmp_path, plain(head=FLAG))
-    handed = handed_over(found, minor=False)
-    assert handed.text is None
-    assert "switches all passive forces" in handed.sentences[0]
-    assert handed.sentences[1].startswith("ball_effects.py: 40 shots differ")
 
 
 def test_a_scene_of_the_user_stays(tmp_path):

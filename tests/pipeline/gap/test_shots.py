@@ -17,13 +17,10 @@ from tests.pipeline.measured_shots import shot_tables, write_inputs
 def episode(samples=20, touched=(), nets=(), bounces=(), unbroken=True):
     """An episode at 100 Hz whose ball bounces, and touches other things at some times."""
     times, places = 0.01 * np.arange(samples), np.zeros((samples, 3))
-    whole = Episode(
-        times, places, places, places, times < 0, np.zeros(samples, dtype=int), np.array(bounces)
-    )
-    touched = np.array([*touched, *nets])
-    return MeasuredEpisode(
-        "lab/0/00", "lab/0", "lab", "test", unbroken, whole, touched, np.array(nets)
-    )
+    arcs = np.zeros(samples, dtype=int)
+    whole = Episode(times, places, places, places, times < 0, arcs, np.array(bounces))
+    contacts = np.array([*touched, *nets]), np.array(nets)
+    return MeasuredEpisode("lab/0/00", "lab/0", "lab", "test", unbroken, whole, *contacts)
 
 
 @pytest.mark.parametrize(
@@ -56,18 +53,15 @@ def test_arcs_about_the_net_end_at_the_contacts_next_to_it():
     assert found.after.times[0] == pytest.approx(np.arange(0.16, 0.305, 0.01))
 
 
-@pytest.mark.parametrize(
-    "one",
-    [
+def test_contacts_with_short_arcs_or_other_things_do_not_serve():
+    others = [
         episode(samples=40),
         episode(samples=40, touched=[0.155]),
         episode(samples=40, nets=[0.155], unbroken=False),
         episode(samples=40, bounces=[0.125], nets=[0.155]),
         episode(samples=18, nets=[0.155]),
-    ],
-)
-def test_contacts_with_short_arcs_or_other_things_do_not_serve(one):
-    assert len(net_contacts([one])) == 0
+    ]
+    assert len(net_contacts(others)) == 0
 
 
 def test_training_shots_are_those_that_predictors_learn_from(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rallygap.pipeline.gap.figures.verdict import LINE_NAMES, LINES
+from rallygap.pipeline.gap.figures import LINE_NAMES, LINES
 from rallygap.pipeline.report.close_gap import closing_figure, stability_figure
 from rallygap.pipeline.web.figure_style import apply_style
 from tests.pipeline.verdicts import CAMERA, GAP, GRAVITY, MINOR, WIND, diagnosed, verdict

@@ -4,8 +4,8 @@ import pytest
 from selenium.webdriver.support.wait import WebDriverWait
 
 from rallygap.pipeline.live.latency import Latencies
-from rallygap.pipeline.live.view.server import served
-from tests.pipeline.live.view.example_frames import ALARM, frames, rows
+from rallygap.pipeline.live.view import served
+from tests.pipeline.live.example_frames import ALARM, frames, rows
 from tests.pipeline.report.test_page_in_browser import (
     COLOURS_DRAWN,
     DESKTOP,
@@ -50,58 +50,40 @@ def text(page, identifier):
     return element(page, identifier).text
 
 
-def test_the_table_is_there_before_the_first_frame(page):
+def test_forecasts_are_drawn_as_they_come_and_said_in_numbers(page, server):
     WebDriverWait(page, 10).until(lambda _: text(page, "state").startswith("Connected"))
     drawn = set(page.execute_script(COLOURS_DRAWN, "live"))
     assert TABLE in drawn
     assert not {FORECAST, BOUNCE} & drawn
     assert text(page, "frame") == "–"
-
-
-def test_forecasts_are_drawn_as_they_come(page, server):
-    pictures = set()
-    for frame in frames(rows(13))[6::3]:
+    pictures, shown = set(), frames(rows(30))
+    for frame in (shown[6], shown[12], shown[29]):
         show(page, server, frame)
         pictures.add(picture(page, "live"))
     assert len(pictures) == 3
     assert {TABLE, FORECAST, BOUNCE} <= set(page.execute_script(COLOURS_DRAWN, "live"))
-
-
-def test_the_numbers_are_those_of_the_frame(page, server):
-    frame = frames(rows(30))[-1]
-    show(page, server, frame)
     bounce = frame.ball.bounce
-    after = f"in {1e3 * (bounce.time - frame.ball.time):.0f} ms"
     assert text(page, "state") == "A ball is measured."
     assert text(page, "frame") == "29: used"
-    assert text(page, "bounce").startswith(after)
+    assert text(page, "bounce").startswith(f"in {1e3 * (bounce.time - frame.ball.time):.0f} ms")
     assert f"standard error {1e3 * bounce.time_error:.1f} ms" in text(page, "bounce")
     assert "mm in 100 ms" in text(page, "error") and "mm in 300 ms" in text(page, "error")
     assert text(page, "latency") == "0.51 ms (p50), 0.91 ms (p99) of 3 frames"
     assert not element(page, "alarm").is_displayed()
+    element(page, "live-view").send_keys("+")  # keys turn the view
+    assert picture(page, "live") not in pictures
 
 
-def test_a_ball_that_is_gone_is_not_drawn(page, server):
-    seen, *_, gone = frames(rows(40, lost=[0.3, 0.9]))[-3:]
+def test_a_ball_that_is_gone_is_not_drawn_and_an_alarm_is_said(page, server):
+    seen, *_, gone = frames(rows(40, lost=[0.3, 0.9]), ALARM)[-3:]
     show(page, server, seen)
     assert FORECAST in page.execute_script(COLOURS_DRAWN, "live")
     show(page, server, gone)
     assert FORECAST not in page.execute_script(COLOURS_DRAWN, "live")
     assert text(page, "frame") == "41: unused"
     assert (text(page, "state"), text(page, "bounce")) == ("No ball.", "–")
-
-
-def test_an_alarm_is_said(page, server):
-    show(page, server, frames(rows(10), ALARM)[-1])
     assert "wind.x (the air moves) has changed by +0.31 m/s" in text(page, "alarm")
     assert element(page, "alarm").is_displayed()
-
-
-def test_keys_turn_the_view(page, server):
-    show(page, server, frames(rows(20))[-1])
-    before = picture(page, "live")
-    element(page, "live-view").send_keys("+")
-    assert picture(page, "live") != before
 
 
 @pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])

@@ -1,4 +1,4 @@
-"""Frames of a ball that is thrown, as the loop hands them to the view."""
+"""A ball that is thrown, its measurements, and frames as the loop hands them to the view."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ ALARM = Alarm(
     change=0.31,
     error=0.04,
     shots=14,
-    possible=(Hypothesis("wind", "x"),),
+    possible=(Hypothesis("wind", "x"), Hypothesis("frame_tilt", "x")),
 )
 
 

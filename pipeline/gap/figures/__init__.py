@@ -1,1 +1,0 @@
-"""Figures of gap: drawing alone, from tables that others have computed."""
