@@ -126,12 +126,8 @@ def assert_same(run, whole, *names):
 
 def test_parallel_training_of_some_gives_the_same_bytes(whole, tmp_path, monkeypatch, capfd):
     monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "2")
-    assert_same(
-        trained(tmp_path, fine_tuning=["labelled"], networks=("gru_tae", "small")),
-        whole,
-        "gru_tae",
-        "small",
-    )
+    some = ("gru_tae", "small")
+    assert_same(trained(tmp_path, fine_tuning=["labelled"], networks=some), whole, *some)
     assert capfd.readouterr() == ("", "")
 
 
