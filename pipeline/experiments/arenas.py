@@ -10,6 +10,7 @@ from rallygap.models.gap.amend.simulator import amended
 from rallygap.models.predictors.errors import HORIZONS_MS, error_norms
 from rallygap.models.predictors.learned import LearnedPredictor
 from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.protocol import ProbabilisticPredictor
 from rallygap.models.predictors.training import ForecastTraining
 from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.evaluation.forecasts import forecast_windows
@@ -53,7 +54,8 @@ def arena_result(params: Params, seed: int, scratch: Path) -> dict[str, pd.DataF
         simulators = {name: load_simulator(name) for name in (NOMINAL, WITH_NET)}
         simulators |= {AMENDED: known, ORACLE: truth}
         physics = {name: PhysicsPredictor(one) for name, one in simulators.items()}
-        predictors = {**physics, **_trained_networks(params, seed, folder)}
+        networks = _trained_networks(params, seed, folder)
+        predictors: dict[str, ProbabilisticPredictor] = {**physics, **networks}
         named = [NamedPredictor(name, predictors[name], name) for name in (*PREDICTORS, ORACLE)]
         errors = _errors(params, folder, named)
     verdict = diagnosed.verdict
