@@ -16,8 +16,10 @@ import psutil
 import torch
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch.callbacks import Callback, LearningRateMonitor, ModelCheckpoint
+from lightning.pytorch.loggers.logger import Logger
 from lightning.pytorch.plugins.io import TorchCheckpointIO
 from lightning.pytorch.strategies import DDPStrategy
+from lightning.pytorch.utilities import rank_zero_only
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
 from rallygap.models.predictors.settings import TrainingSettings
@@ -84,10 +86,8 @@ def _trainer(
     own: list[Callback] = [every_epoch]
     logger: Any = False
     if live is not None:
-        from rallygap.pipeline.tracking.lightning_logger import SharedRunLogger  # takes seconds
-
         own.append(LearningRateMonitor("epoch"))
-        logger = SharedRunLogger(live)
+        logger = LiveLogger(live)
     alone = settings.devices == 1
     return lightning.Trainer(
         devices=settings.devices,
@@ -107,6 +107,24 @@ def _trainer(
         enable_model_summary=False,
         num_sanity_val_steps=0,
     )
+
+
+class LiveLogger(Logger):
+    """Adds a training's losses and learning rates to a run that others write and end."""
+
+    name = version = None  # of folders, which it does not write
+
+    def __init__(self, live: LiveRun) -> None:
+        super().__init__()
+        self.live = live
+
+    @rank_zero_only
+    def log_metrics(self, metrics: dict[str, float], step: int | None = None) -> None:
+        """Add metrics at an optimizer step."""
+        self.live.log(metrics, step or 0)
+
+    def log_hyperparams(self, *_: Any, **__: Any) -> None:
+        """The run has the parameters of its stage."""
 
 
 class AtomicCheckpointIO(TorchCheckpointIO):

@@ -222,23 +222,16 @@ def assert_recorded(root):
 
 
 @pytest.mark.slow
-def test_the_command_line_sweeps_with_two_workers_and_records_every_trial(tmp_path):
+@pytest.mark.parametrize("database", [None, "postgres_url"])
+def test_two_workers_record_every_trial_and_leave_no_password(tmp_path, request, database):
     predictor_sweep(tmp_path)
+    study = {}
+    if database is not None:
+        study = {"RALLYGAP_STUDY": request.getfixturevalue(database)}
+        open_study(Sweep(tmp_path, "tiny"), study["RALLYGAP_STUDY"])  # two cannot make the tables
     for _ in range(2):  # the second time there is nothing left to do
-        sweep_with_two_workers(tmp_path)
-    assert_recorded(tmp_path)
-
-
-@pytest.mark.slow
-def test_a_sweep_in_postgresql_records_every_trial_and_leaves_the_password_nowhere(
-    tmp_path, postgres_url
-):
-    predictor_sweep(tmp_path)
-    open_study(Sweep(tmp_path, "tiny"), postgres_url)  # two cannot make the tables at once
-    message = sweep_with_two_workers(tmp_path, RALLYGAP_STUDY=postgres_url)
+        assert PASSWORD not in sweep_with_two_workers(tmp_path, **study)
     assert_recorded(tmp_path)
     kept = [path for path in tmp_path.rglob("*") if path.is_file()]
-    places = {path.relative_to(tmp_path).parts[0] for path in kept}
-    assert {"mlflow.db", "reports"} <= places
+    assert {"mlflow.db", "reports"} <= {path.relative_to(tmp_path).parts[0] for path in kept}
     assert not [path for path in kept if PASSWORD.encode() in path.read_bytes()]
-    assert PASSWORD not in message
