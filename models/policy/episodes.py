@@ -1,6 +1,7 @@
 """Ended episodes: how they ended, and their rewards."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,17 +64,10 @@ def conclude(
     times: Floats,
     weights: RewardSettings,
 ) -> Episodes:
-    """Fly the balls that were hit to their end, and reward the episodes.
+    """Fly the balls that were hit to their end, and reward the episodes of (E,) ``envs``.
 
-    Args:
-        simulator: flies the balls on.
-        envs: (E,) whose episodes ended.
-        endings: (E,) ``HIT`` or one of the faults.
-        nearest: (E,) as in ``Episodes``.
-        goals: (E,) of the episodes.
-        hits: the racket contacts of the H episodes that ended with ``HIT``.
-        times: (H,) s from the launch.
-        weights: of the reward.
+    ``endings`` (E,) are ``HIT`` or a fault; ``hits`` and ``times``, (H,) s from the launch, are
+    those of the episodes that ended with ``HIT``.
     """
     hit = endings == HIT
     after = simulator.strike(hits.states, hits.normals, hits.velocities)
@@ -85,7 +79,7 @@ def conclude(
     )
     reward[hit] = contact_reward(outcome, hits.backhand, weights) + goal_rewards[hit]
     of_hits = vars(outcome) | {"time": times, "after_racket": after, "backhand": hits.backhand}
-    columns = {"returned": hit.copy(), "fault": endings.copy()}
+    columns: dict[str, Any] = {"returned": hit.copy(), "fault": endings.copy()}
     for name, values in of_hits.items():
         columns.setdefault(name, np.full((len(hit), *values.shape[1:]), np.nan))[hit] = values
     return Episodes(

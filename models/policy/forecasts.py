@@ -59,15 +59,8 @@ def filtered_balls(
 ) -> IncomingBalls:
     """Return balls with the forecasts of a filter and their standard deviations.
 
-    Control steps begin when the predictor has its first window. Forecasts of balls that are out of
-    play are zero.
-
-    Args:
-        simulator: that forecasts.
-        path: (B, N, 9) true states as in ``IncomingBalls``.
-        playable: (B, 2) s as in ``IncomingBalls``.
-        horizons: ms.
-        random: of the measurements' noise.
+    Control steps begin when the predictor has its first window of noisy measurements of the (B, N,
+    9) paths. Forecasts of balls that are out of play are zero.
     """
     times = control_times(FIRST_WINDOW)
     in_play = times < playable[:, 1:]

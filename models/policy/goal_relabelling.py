@@ -21,7 +21,6 @@ from rallygap.models.policy.settings import GoalSettings, RewardSettings
 Floating = NDArray[np.floating]
 
 STROKE_SIZE = 5  # landing x and y, speed, topspin, whether returned
-_NO_STROKE = (np.nan,) * STROKE_SIZE
 
 
 class RelabellingReplayBuffer(ReplayBuffer):
@@ -39,15 +38,7 @@ class RelabellingReplayBuffer(ReplayBuffer):
         weights: RewardSettings,
         **others: Any,
     ) -> None:
-        """Make an empty buffer.
-
-        Args:
-            args: of Stable-Baselines3's own.
-            goals: the distribution of goals.
-            columns: of an observation, which hold the goal.
-            weights: of the reward.
-            others: of Stable-Baselines3's own.
-        """
+        """Make an empty buffer; ``columns`` of an observation hold the goal."""
         super().__init__(*args, **others)
         self.strokes = np.full((self.buffer_size, self.n_envs, STROKE_SIZE), np.nan, np.float32)
         self._goals, self._columns, self._weights = goals, columns, weights
@@ -62,7 +53,11 @@ class RelabellingReplayBuffer(ReplayBuffer):
         infos: list[dict[str, Any]],
     ) -> None:
         """Store a transition of each environment, its reward without the goal's part."""
-        self.strokes[self.pos] = [_stroke(info) for info in infos]
+        for env, info in enumerate(infos):
+            stroke = [np.nan] * STROKE_SIZE
+            if info.get("hit"):
+                stroke = [*info["landing"], info["speed"], info["topspin"], info["returned"]]
+            self.strokes[self.pos, env] = stroke
         goal_rewards = np.array([info.get("goal_reward", 0.0) for info in infos])
         super().add(obs, next_obs, action, reward - goal_rewards, done, infos)
 
@@ -75,18 +70,11 @@ class RelabellingReplayBuffer(ReplayBuffer):
         now, after = self.observations[places], self.next_observations[places]
         now[:, self._columns] = after[:, self._columns] = goals.scaled()
         strokes = self.strokes[places].astype(np.float64)
-        speed, topspin, returned = strokes[:, 2:].T
-        landing = strokes[:, :2]
+        landing, (speed, topspin, returned) = strokes[:, :2], strokes[:, 2:].T
         goal_rewards = goal_reward(landing, speed, topspin, returned == 1, goals, self._weights)
         rewards = self.rewards[places] + np.nan_to_num(goal_rewards)
         parts = (now, self.actions[places], after, _column(self.dones[places]), _column(rewards))
         return ReplayBufferSamples(*(self.to_torch(part) for part in parts))
-
-
-def _stroke(info: dict[str, Any]) -> tuple[float, ...]:
-    if not info.get("hit"):
-        return _NO_STROKE
-    return (*info["landing"], info["speed"], info["topspin"], info["returned"])
 
 
 def _column(values: Floating) -> NDArray[np.float32]:

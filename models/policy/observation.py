@@ -50,8 +50,7 @@ def observe(
         forecasts: (B, H, 9) forecast states, nearest horizon first.
         spreads: (B, H, 3) m, standard deviations of the forecast positions.
         goals: (B,).
-        kind: ``strict`` is the paper's observation: robot, forecasts and goal; ``intercept`` adds
-            where the nearest forecast crosses the racket's plane; ``spread`` adds the spreads.
+        kind: of observation, as ``ObservationKind`` says.
 
     Raises:
         ValueError: ``spread`` without spreads.

@@ -76,9 +76,9 @@ def find_contacts(balls: Floats, rackets: Floats, distance: Floats, live: Bools)
     envs, steps = np.nonzero(near.T)
     if not len(envs):
         return _contacts(envs, np.zeros(0), balls, rackets, envs)
-    ends = (steps, envs), (steps + 1, envs)
-    poses = [Racket(*rackets[end].reshape(-1, 4, 3).swapaxes(0, 1)) for end in ends]
-    contact = first_contact(*(balls[end][:, :3] for end in ends), *poses)
+    before, after = (steps, envs), (steps + 1, envs)
+    poses = [Racket(*rackets[k].reshape(-1, 4, 3).swapaxes(0, 1)) for k in (before, after)]
+    contact = first_contact(balls[before][:, :3], balls[after][:, :3], *poses)
     met = np.flatnonzero(contact.met)
     envs, first = np.unique(envs[met], return_index=True)
     row = met[first]

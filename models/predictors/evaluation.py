@@ -97,16 +97,9 @@ class ForecastErrors:
         """Return one row a horizon with any measurement, over the chosen windows."""
         generator = np.random.default_rng(self.seed)
         result = error_statistics(error, self.recordings[chosen], self.resamples, generator)
-        columns = {
-            "horizon_ms": HORIZONS_MS,
-            "mean": result.mean,
-            "median": result.median,
-            "std": result.std,
-            "n": result.count,
-            "ci_low": result.low,
-            "ci_high": result.high,
-        }
-        return pd.DataFrame(columns)[result.count > 0]
+        table = pd.DataFrame({"horizon_ms": HORIZONS_MS, **vars(result)})
+        names = {"count": "n", "low": "ci_low", "high": "ci_high"}
+        return table.rename(columns=names)[result.count > 0]
 
 
 def forecast_errors(

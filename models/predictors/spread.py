@@ -4,7 +4,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from rallygap.models.predictors.normaliser import INPUTS, RESIDUALS
+from rallygap.models.predictors.autoencoders import input_rows, row_size
 from rallygap.models.predictors.protocol import FUTURE, HISTORY
 
 WIDTH = 128
@@ -25,7 +25,7 @@ class Spread(nn.Module):
     def __init__(self) -> None:
         super().__init__()
         self.register_buffer("sizes", torch.ones(FUTURE, 3))
-        inputs = HISTORY * (2 * INPUTS + RESIDUALS)
+        inputs = HISTORY * row_size(uniform_motion=True)
         self.layers = nn.Sequential(
             nn.Linear(inputs, WIDTH),
             nn.GELU(),
@@ -42,7 +42,7 @@ class Spread(nn.Module):
             mask: (B, 12, 6) where there are any.
             residual: (B, 12, 3) their deviations from the baseline's straight line.
         """
-        inputs = torch.cat([history, mask.to(history.dtype), residual], dim=2)
+        inputs = input_rows(history, mask, residual, uniform_motion=True)
         values = self.layers(inputs.flatten(1)).view(-1, FUTURE, FACTORS)
         factors = values.new_zeros((*values.shape[:2], 3, 3))
         factors[..., _ROWS, _COLUMNS] = values

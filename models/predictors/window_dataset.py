@@ -18,7 +18,6 @@ from rallygap.models.predictors.windows import (
     MIN_FUTURE,
     MIN_OBSERVED,
     Episode,
-    Windows,
     cut_windows,
     measured_at,
     observed_at,
@@ -84,58 +83,48 @@ def build_tracks(episodes: Sequence[Episode]) -> Tracks:
         ValueError: no episode has a window.
     """
     parts = [_track(episode) for episode in episodes]
-    parts = [part for part in parts if part.episodes]
+    parts = [(rows, anchors) for rows, anchors in parts if len(anchors)]
     if not parts:
         raise ValueError("no episode has a window to train on")
-    rows = np.cumsum([0, *(len(part.history) for part in parts)])
-    counts = [np.diff(part.bounds) for part in parts]
-    anchors = [part.anchors + row for part, row in zip(parts, rows, strict=False)]
+    columns = zip(*(rows for rows, _ in parts), strict=True)
+    starts = np.cumsum([0, *(len(rows[0]) for rows, _ in parts)])
+    anchors = [own + start for (_, own), start in zip(parts, starts, strict=False)]
     return Tracks(
-        **{name: torch.cat([getattr(part, name) for part in parts]) for name in ROWS},
+        **{
+            name: torch.cat([_tensor(part) for part in column])
+            for name, column in zip(ROWS, columns, strict=True)
+        },
         anchors=np.concatenate(anchors),
-        bounds=np.concatenate([[0], np.cumsum(np.concatenate(counts))]),
+        bounds=np.cumsum([0, *(len(own) for own in anchors)]),
     )
 
 
-def _track(episode: Episode) -> Tracks:
+def _track(episode: Episode) -> tuple[list[NDArray[Any]], Indices]:
+    """Return the rows of an episode, named as in ``ROWS``, and its anchors."""
     ticks = (episode.times - episode.times[0]) / TICK
     nearest = np.round(ticks).astype(int)
     if np.abs(ticks - nearest).max() * TICK < GRID_TOLERANCE:
         return _whole(episode, nearest)
-    return _cut(cut_windows(episode, every=TICK))
+    cut = cut_windows(episode, every=TICK)
+    ahead, behind = ((0, 0), (0, FUTURE), (0, 0)), ((0, 0), (HISTORY, 0), (0, 0))
+    past, future = (cut.history.states, cut.history.mask), (cut.future, cut.measured)
+    rows = [np.pad(part, ahead).reshape(-1, 6) for part in past]
+    rows += [np.pad(part, behind).reshape(-1, 9) for part in future]
+    return rows, HISTORY - 1 + (HISTORY + FUTURE) * np.arange(len(cut))
 
 
-def _whole(episode: Episode, ticks: Indices) -> Tracks:
-    """Return the track of an episode whose samples lie on the grid, at ``ticks``."""
+def _whole(episode: Episode, ticks: Indices) -> tuple[list[NDArray[Any]], Indices]:
+    """Return rows and anchors of an episode whose samples lie on the grid, at ``ticks``."""
     last = int(ticks[-1])
     grid = episode.times[0] + TICK * np.arange(last + 1)
     # Exact grid times, so that rounded time stamps are not interpolated with the next sample.
     episode = replace(episode, times=grid[ticks])
-    history, mask = observed_at(episode, grid)
-    future, measured = measured_at(episode, grid)
-    enough = np.convolve(mask[:, :3].all(axis=1), np.ones(HISTORY, dtype=int))[: last + 1]
+    rows = [*observed_at(episode, grid), *measured_at(episode, grid)]
+    enough = np.convolve(rows[1][:, :3].all(axis=1), np.ones(HISTORY, dtype=int))[: last + 1]
     usable = (ticks >= HISTORY - 1) & (ticks <= last - round(MIN_FUTURE / TICK))
     usable &= enough[ticks] >= MIN_OBSERVED
-    anchors = ticks[usable]
-    bounds = np.array([0, len(anchors)] if len(anchors) else [0])
     beyond = ((0, FUTURE), (0, 0))  # unmeasured padding
-    parts = zip(ROWS, (history, mask, future, measured), strict=True)
-    rows = {name: _tensor(np.pad(part, beyond)) for name, part in parts}
-    return Tracks(**rows, anchors=anchors, bounds=bounds)
-
-
-def _cut(cut: Windows) -> Tracks:
-    """Return the concatenated tracks of windows of one episode."""
-    ahead, behind = ((0, 0), (0, FUTURE), (0, 0)), ((0, 0), (HISTORY, 0), (0, 0))
-    history, mask = cut.history.states, cut.history.mask
-    return Tracks(
-        _tensor(np.pad(history, ahead).reshape(-1, history.shape[2])),
-        _tensor(np.pad(mask, ahead).reshape(-1, history.shape[2])),
-        _tensor(np.pad(cut.future, behind).reshape(-1, cut.future.shape[2])),
-        _tensor(np.pad(cut.measured, behind).reshape(-1, cut.future.shape[2])),
-        HISTORY - 1 + (HISTORY + FUTURE) * np.arange(len(cut)),
-        np.array([0, len(cut)] if len(cut) else [0]),
-    )
+    return [np.pad(part, beyond) for part in rows], ticks[usable]
 
 
 def _tensor(rows: NDArray[Any]) -> Tensor:

@@ -59,12 +59,14 @@ def test_the_ball_turns_where_the_racket_hits_it_and_bounces_where_it_lands(tria
     assert motion.ball[-1, 2] > motion.ball[landing, 2]
 
 
-def test_a_ball_is_followed_to_the_floor_or_until_it_is_out_of_play():
-    (out,), (missed,) = recorded(TOO_FAST).motions, recorded(ASIDE).motions
+def test_a_ball_is_followed_to_the_floor_or_until_it_is_out_of_play_from_the_first_window():
+    (out,), (missed,) = recorded(TOO_FAST).motions, recorded(replace(ASIDE, start=0.055)).motions
     on_floor = len(out.ball) - 1 - SHORT
     assert out.ball[on_floor - 1, 2] > FLOOR > out.ball[on_floor + 1, 2]
     np.testing.assert_array_equal(missed.ball, ASIDE.path[0, :401:20, :3])
-    assert len(missed.joints) == len(missed.ball)
+    waiting = FRAME * np.arange(len(missed.ball)) < 0.055
+    np.testing.assert_array_equal(missed.joints[waiting], np.tile(NEUTRAL, (3, 1)))
+    assert (missed.joints[~waiting] != NEUTRAL).any(axis=1).all()
 
 
 def test_joints_are_those_of_bullet(monkeypatch):
@@ -81,13 +83,6 @@ def test_joints_are_those_of_bullet(monkeypatch):
     true = np.array(moves)[:: round(FRAME / BULLET_STEP)][: len(motion.joints)]
     np.testing.assert_array_equal(motion.joints[::2], true[::2])
     assert np.linalg.norm(rackets(motion.joints) - rackets(true), axis=1).max() < 0.004
-
-
-def test_the_arm_waits_for_the_first_window():
-    (late,) = recorded(replace(ASIDE, start=0.055)).motions
-    waiting = FRAME * np.arange(len(late.joints)) < 0.055
-    np.testing.assert_array_equal(late.joints[waiting], np.tile(NEUTRAL, (3, 1)))
-    assert (late.joints[~waiting] != NEUTRAL).any(axis=1).all()
 
 
 def test_recording_changes_nothing_and_motions_are_those_of_single_trials(monkeypatch):

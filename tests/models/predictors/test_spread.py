@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from rallygap.models.predictors.learned import LearnedPredictor
-from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import History
 from rallygap.models.predictors.spread_training import fit_spread
-from tests.models.predictors.balls import FIRST, TRUTH, observed
+from tests.models.predictors.balls import FIRST, observed
 from tests.models.predictors.small_training import network, small_training, tracks
 
 
@@ -44,14 +43,3 @@ def test_without_a_spread_there_are_no_covariances():
     history, _ = observed()
     with pytest.raises(ValueError, match="no spread"):
         LearnedPredictor(network()).predict_with_covariances(history)
-
-
-def test_physics_is_as_sure_as_its_errors_are_small():
-    balls = np.tile(FIRST[0], (200, 1))
-    history, future = observed(balls, noise=0.004)
-    predictor = PhysicsPredictor(TRUTH)
-    away = (predictor.predict(history).states - future)[..., :3]
-    found = predictor.predict_with_covariances(history)[1]
-    solved = np.linalg.solve(found, away[..., None])[..., 0]
-    distances = (away * solved).sum(axis=2).mean(axis=0)
-    assert (distances > 0.5).all() and (distances < 5.0).all()  # three degrees of freedom
