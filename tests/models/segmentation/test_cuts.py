@@ -35,8 +35,8 @@ def pairs():
 @pytest.mark.parametrize("kind", ["racket", "table"])
 def test_contacts_are_found_and_nothing_else(pairs, kind):
     precision, recall = scores(contacts(pairs), kind)
-    assert precision >= 0.99
-    assert recall >= 0.99
+    assert precision >= 0.995
+    assert recall >= 0.993
 
 
 @pytest.mark.slow

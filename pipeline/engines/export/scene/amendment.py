@@ -141,8 +141,11 @@ def amend(
     if TABLE in after.effects and not has_inertia(scene.model, scene.ball, SHELL):
         changes += _shell_changes(file, scene)
     scene = write(changes)
+    did, does = before.effects.get(TABLE), after.effects.get(TABLE)
+    if does is None or table_contact(scene.model, scene.ball, scene.frame) is None:
+        return amendments
     for parameter, contact_changes in CONTACT_CHANGES.items():
-        if _bounces_otherwise(parameter, scene, before, after):
+        if did is None or differs(did[parameter], does[parameter]):
             scene = write(contact_changes(scene, after))
     return amendments
 
@@ -154,16 +157,6 @@ def _shell_changes(file: SceneFile, scene: MujocoScene) -> list[Change]:
     if np.isnan(ball.of(file.spec).mass):
         changes.append(Change.of(ball, "mass", scene.ball.mass))
     return changes
-
-
-def _bounces_otherwise(
-    parameter: str, scene: MujocoScene, before: Simulator, after: Simulator
-) -> bool:
-    """Return whether a list changes a parameter of the contact of ball and table in a scene."""
-    if TABLE not in after.effects or table_contact(scene.model, scene.ball, scene.frame) is None:
-        return False
-    did = before.effects.get(TABLE)
-    return did is None or differs(did[parameter], after.effects[TABLE][parameter])
 
 
 def _origin(attribute: str, simulator: Simulator, comments: Sequence[str]) -> str:
