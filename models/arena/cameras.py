@@ -75,7 +75,9 @@ class Cameras:
             positions = positions + self.field.errors(positions)
         positions = positions + self.position_noise * self._errors(count, random)
         outlying = random.random(count) < self.outliers
-        positions[outlying] += _offsets(int(outlying.sum()), random)
+        away = random.standard_normal((int(outlying.sum()), 3))  # in any direction
+        away /= np.linalg.norm(away, axis=1, keepdims=True)
+        positions[outlying] += away * random.uniform(*OUTLIER_DISTANCE, size=(len(away), 1))
         size = np.linalg.norm(states[:, SPIN], axis=1, keepdims=True)
         spins = states[:, SPIN] + self.spin_noise * size * random.standard_normal((count, 3))
         if self.arc_spin_noise > 0.0:
@@ -93,10 +95,3 @@ class Cameras:
         slow = lfilter([1.0], [1.0, -memory], kicks, axis=0)
         share = self.slow_error.share
         return np.sqrt(1 - share) * white + np.sqrt(share) * slow
-
-
-def _offsets(count: int, random: np.random.Generator) -> Floats:
-    """Return (count, 3) displacements in any direction."""
-    directions = random.standard_normal((count, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    return directions * random.uniform(*OUTLIER_DISTANCE, size=(count, 1))

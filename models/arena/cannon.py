@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rallygap.models.arena.contacts import KINDS, ContactSequence, follow_contacts
+from rallygap.models.arena.contacts import KINDS, follow_contacts
 from rallygap.models.arena.recording import TrueContacts
 from rallygap.models.arena.truth import Truth
 from rallygap.models.arena.truth_path import TrackedBall
@@ -39,7 +39,17 @@ def cannon_balls(truth: Truth, shots: int, random: np.random.Generator) -> list[
     launches = cannon_launches(truth.simulator, shots, random)
     flown = follow_contacts(truth, launches, MAX_CONTACTS, random)
     starts = random.uniform(0.0, 0.005, shots)
-    return [_ball(launches[shot], flown, shot, starts[shot]) for shot in range(shots)]
+    balls = []
+    for shot, start in enumerate(starts):
+        last_visible = min(flown.last_visible[shot], flown.times[shot, -1] + VISIBLE_AFTER)
+        met = flown.times[shot] < last_visible
+        contacts = TrueContacts(
+            start + np.concatenate([[0.0], flown.times[shot, met]]),
+            np.array(["launch", *(KINDS[surface] for surface in flown.surfaces[shot, met])]),
+            np.concatenate([launches[None, shot], flown.states[shot, met]]),
+        )
+        balls.append(TrackedBall(contacts, start + last_visible))
+    return balls
 
 
 def cannon_launches(simulator: Simulator, shots: int, random: np.random.Generator) -> Floats:
@@ -82,15 +92,3 @@ def launch_states(settings: Floats) -> Floats:
     # Topspin moves the top of the ball forwards: about the horizontal axis up x ahead.
     states[:, SPIN] = topspin[:, None] * np.cross(up, ahead) + sidespin[:, None] * up
     return states
-
-
-def _ball(launch: Floats, flown: ContactSequence, shot: int, start: float) -> TrackedBall:
-    """Return one shot until shortly after its last contact."""
-    last_visible = min(flown.last_visible[shot], flown.times[shot, -1] + VISIBLE_AFTER)
-    met = flown.times[shot] < last_visible
-    contacts = TrueContacts(
-        start + np.concatenate([[0.0], flown.times[shot, met]]),
-        np.array(["launch", *(KINDS[surface] for surface in flown.surfaces[shot, met])]),
-        np.concatenate([launch[None], flown.states[shot, met]]),
-    )
-    return TrackedBall(contacts, start + last_visible)

@@ -3,12 +3,12 @@
 import numpy as np
 
 from rallygap.models.arena import player_motion, serves, strokes, umpire
-from rallygap.models.arena.aim import aim_launches
 from rallygap.models.arena.contacts import KINDS, ContactSequence, follow_contacts
 from rallygap.models.arena.levels import Players
 from rallygap.models.arena.recording import TrueContacts
 from rallygap.models.arena.sides import DIRECTIONS, switch_frame
 from rallygap.models.arena.truth import Truth
+from rallygap.models.ball.contact_laws import TABLE
 from rallygap.models.ball.types import Bools, Floats, Integers
 
 MAX_CONTACTS = 6  # simulated per stroke
@@ -104,7 +104,10 @@ class Rallies:
         landed = flight.times[rows, ruling.landing[rows]]
         until = landed + interception.times[rows]
         self.log.add_contacts(self.points[rows], self.struck[rows], flight.take(rows), until)
-        self._change_sides(rows, until)
+        # Balls that go on are struck by the other side; the last striker walks back.
+        self.points, self.side = self.points[rows], self.side[rows]
+        self.other = player_motion.recover(self.place[rows], until, self._players(self.side))
+        self.struck, self.side = self.struck[rows] + until, 1 - self.side
         self.place = interception.balls[rows, :2]
         return self._struck(self._replies(interception.balls[rows], interception.stretch[rows]))
 
@@ -126,18 +129,14 @@ class Rallies:
     def _replies(self, balls: Floats, stretch: Floats) -> Floats:
         """Return the strokes of the players whose turn it is, in the table frame."""
         directions, players = DIRECTIONS[self.side], self._players(self.side)
-        plan = strokes.plan_strokes(balls, stretch, players, self.random)
+        targets, spins, times = strokes.plan_strokes(balls, stretch, players, self.random)
         wanted = balls.copy()
-        wanted[:, 6:] = plan.spins
+        wanted[:, 6:] = spins
         wanted = switch_frame(wanted, directions)
         clearances = MIN_CLEARANCE + CLEARANCE_RANGE * self.random.random(len(balls))
-        launches = aim_launches(
-            self.truth.simulator,
-            wanted[:, :3],
-            wanted[:, 6:],
-            plan.targets * directions[:, None],
-            plan.times,
-            clearances,
+        targets = targets * directions[:, None]
+        launches = strokes.aim_launches(
+            self.truth.simulator, wanted[:, :3], wanted[:, 6:], targets, times, clearances
         )
         executed = strokes.execute_strokes(
             switch_frame(launches, directions), balls, stretch, players, self.random
@@ -152,7 +151,8 @@ class Rallies:
     def _end(self, flight: ContactSequence, ruling: umpire.Ruling, ends: Bools) -> None:
         rows = np.flatnonzero(ends)
         flight, good = flight.take(rows), ruling.good[rows]
-        time, how = umpire.unreturned_outcome(flight, ruling.landing[rows])
+        time, surface = umpire.after_landing(flight, ruling.landing[rows])
+        how = np.where(surface == TABLE, "double_bounce", "missed")
         end = np.where(good, time, ruling.decided[rows])
         last_visible = np.minimum(
             flight.last_visible, end + self.random.uniform(*VISIBLE_AFTER, len(rows))
@@ -163,13 +163,6 @@ class Rallies:
         log.winner[points] = np.where(good, side, 1 - side)
         log.ended_by[points] = np.where(good, how, ruling.fault[rows])
         log.end[points], log.last_visible[points] = starts + end, starts + last_visible
-
-    def _change_sides(self, rows: Integers, since: Floats) -> None:
-        """Keep some rows; their ball is struck ``since`` seconds after the last stroke."""
-        self.points, self.side = self.points[rows], self.side[rows]
-        walkers = self._players(self.side)
-        self.other = player_motion.recover(self.place[rows], since, walkers)
-        self.struck, self.side = self.struck[rows] + since, 1 - self.side
 
     def _players(self, sides: Integers) -> Players:
         return self.players.take(self.points + sides * len(self.log.strokes))

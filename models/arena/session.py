@@ -52,7 +52,11 @@ def recordings(
         arc_spin_noise=truth.arc_spin_noise,
     )
     simulator = BatchSimulator(truth, cameras, seed)
-    yield from _cannon(simulator, settings.cannon_shots, run_tasks)
+    shots = range(settings.cannon_shots)
+    tasks = [partial(simulator.cannon, shots[k : k + CANNON_BATCH]) for k in shots[::CANNON_BATCH]]
+    for done in range(0, len(tasks), ROUND):
+        for batch in run_tasks(tasks[done : done + ROUND]):
+            yield from batch
     yield from _games(simulator, settings.game_episodes, run_tasks)
 
 
@@ -82,14 +86,6 @@ class BatchSimulator:
 
     def _random(self, stream: int, batch: int) -> np.random.Generator:
         return np.random.default_rng([self.seed, stream, batch])
-
-
-def _cannon(simulator: BatchSimulator, shots: int, run_tasks: RunTasks) -> Iterator[ArenaRecording]:
-    batches = [range(shots)[k : k + CANNON_BATCH] for k in range(0, shots, CANNON_BATCH)]
-    tasks = [partial(simulator.cannon, batch) for batch in batches]
-    for done in range(0, len(tasks), ROUND):
-        for recordings in run_tasks(tasks[done : done + ROUND]):
-            yield from recordings
 
 
 def _games(

@@ -1,15 +1,23 @@
-"""Strokes: the player's plan, and its execution with errors.
+"""Strokes: the player's plan, its aim over the net, and its execution with errors.
 
-All states are in the frame of the player who strikes, at y < 0 and playing towards +y.
+All states are in the frame of the player who strikes, at y < 0 and playing towards +y, but those of
+the aim, which the physics (wind, tilt) wants in the table frame.
 """
-
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from rallygap.models.arena.levels import Players
-from rallygap.models.ball.state import SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH, VELOCITY
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.state import (
+    BALL_RADIUS,
+    NET_HEIGHT,
+    SPIN,
+    STATE_SIZE,
+    TABLE_HALF_LENGTH,
+    TABLE_HALF_WIDTH,
+    VELOCITY,
+)
 from rallygap.models.ball.types import Bools, Floats
 
 # Mean speed along the table (m/s) of public rally launches: regression of its logarithm on y and z
@@ -45,19 +53,15 @@ ERROR_OF_SPEED = 10.0  # m/s of the incoming ball
 ERROR_OF_SPIN = 400.0  # rad/s of the incoming ball
 ERROR_OF_STROKE_SPEED = 14.0  # m/s of the stroke
 
-
-@dataclass(frozen=True)
-class StrokePlan:
-    """Planned landing points (B, 2) m, spins (B, 3) rad/s and flight times (B,) s."""
-
-    targets: Floats
-    spins: Floats
-    times: Floats
+CORRECTIONS = 5  # iterations; millimetres remain, less than the players' errors
+PATH_SAMPLES = 16  # points of a flight at which its height over the net is taken
+LENGTHENING = 1.12  # factor on the time of a flight that would not clear the net
+MAX_LENGTHENINGS = 8
 
 
 def plan_strokes(
     balls: Floats, stretch: Floats, players: Players, random: np.random.Generator
-) -> StrokePlan:
+) -> tuple[Floats, Floats, Floats]:
     """Choose strokes at random, by height of the ball and stretch.
 
     Args:
@@ -65,6 +69,9 @@ def plan_strokes(
         stretch: (B,) needed share of the player's range, from 0 to 1.
         players: (B,) striking players.
         random: of all random choices.
+
+    Returns:
+        Planned landing points (B, 2) m, spins (B, 3) rad/s and flight times (B,) s.
     """
     attacks, smashes, pushes = _kinds(balls[:, 2], stretch, players, random)
     targets = _targets(balls[:, 0], attacks, random)
@@ -81,7 +88,63 @@ def plan_strokes(
     side = players.sidespin * random.standard_t(SIDE_TAIL, (2, len(balls))).clip(-6, 6)
     topspin = topspin + spread * random.standard_normal(len(balls))
     spins = spin_vectors(targets - balls[:, :2], topspin, *side)
-    return StrokePlan(targets, spins, (targets[:, 1] - balls[:, 1]) / speed)
+    return targets, spins, (targets[:, 1] - balls[:, 1]) / speed
+
+
+def aim_launches(
+    simulator: Simulator,
+    positions: Floats,
+    spins: Floats,
+    targets: Floats,
+    times: Floats,
+    clearances: Floats,
+) -> Floats:
+    """Return (B, 9) launches that reach their targets; longer flights where the net is in the way.
+
+    Args:
+        simulator: physics that the players know.
+        positions: (B, 3) racket contacts, m.
+        spins: (B, 3) after the stroke, rad/s.
+        targets: (B, 2) on the table, m.
+        times: (B,) durations of the flights, s.
+        clearances: (B,) smallest distances between ball and net, m. Where no flight keeps them,
+            the last one tried is returned.
+    """
+    air, times = simulator.without_surfaces(), times.copy()
+    launches = _reaching(air, positions, spins, targets, times)
+    for _ in range(MAX_LENGTHENINGS):
+        low = np.flatnonzero(_above_net(air, launches, times) < clearances)
+        if not len(low):
+            break
+        times[low] *= LENGTHENING
+        launches[low] = _reaching(air, positions[low], spins[low], targets[low], times[low])
+    return launches
+
+
+def _reaching(
+    air: Simulator, positions: Floats, spins: Floats, targets: Floats, times: Floats
+) -> Floats:
+    """Return launches that reach their targets at given times (fixed-point iteration)."""
+    ends = np.column_stack([targets, np.full(len(targets), BALL_RADIUS)])
+    span = times[:, None]
+    launches = np.empty((len(positions), STATE_SIZE))
+    launches[:, :3], launches[:, 6:] = positions, spins
+    launches[:, 3:6] = (ends - positions) / span + [0.0, 0.0, 4.9] * span
+    for _ in range(CORRECTIONS):
+        reached = air.fly(launches, span).states[:, 0, :3]
+        launches[:, 3:6] += (ends - reached) / span
+    return launches
+
+
+def _above_net(air: Simulator, launches: Floats, times: Floats) -> Floats:
+    """Return how far above the net balls pass (m)."""
+    paths = air.fly(launches, times[:, None] * np.linspace(0, 1, PATH_SAMPLES)).states
+    y, z = paths[..., 1] * np.sign(launches[:, 4:5]), paths[..., 2]
+    ahead = np.clip((y >= 0).argmax(axis=1), 1, None)
+    rows = np.arange(len(paths))
+    y0, y1, z0, z1 = y[rows, ahead - 1], y[rows, ahead], z[rows, ahead - 1], z[rows, ahead]
+    at_net = z0 - y0 * (z1 - z0) / np.where(y1 == y0, 1.0, y1 - y0)
+    return at_net - NET_HEIGHT - BALL_RADIUS
 
 
 def execute_strokes(

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -83,8 +84,7 @@ def draw_truth(seed: int, physics: str | None = None) -> Truth:
 
 
 def _effects(random: np.random.Generator) -> dict[str, dict[str, float]]:
-    def within(low: float, high: float) -> float:
-        return _between(random, low, high)
+    within = partial(_between, random)
 
     def around(low: float, high: float) -> float:
         return float(random.choice([-1, 1])) * within(low, high)

@@ -41,14 +41,6 @@ def judge_strokes(flight: ContactSequence, directions: Floats, serve: bool) -> R
     return Ruling(good, landing, decided, np.where(netted, "net", "out"))
 
 
-def unreturned_outcome(
-    flight: ContactSequence, landing: Integers
-) -> tuple[Floats, NDArray[np.str_]]:
-    """Return when unreturned balls end the point (B,) s, and how (B,)."""
-    time, surface = after_landing(flight, landing)
-    return time, np.where(surface == TABLE, "double_bounce", "missed")
-
-
 def after_landing(flight: ContactSequence, landing: Integers) -> tuple[Floats, Integers]:
     """Return when balls are lost after their landing (B,) s, and the surface touched then."""
     rows, last = np.arange(len(landing)), flight.times.shape[1] - 1

@@ -1,11 +1,11 @@
 """Answers of methods in words."""
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import pandas as pd
 
-from rallygap.models.exam.records import AnswerRecord, ExamRecord
+from rallygap.models.exam.interface import NamedCause
+from rallygap.models.exam.records import ExamRecord
 from rallygap.models.exam.scoring.rates import mark, solved
 
 
@@ -16,32 +16,25 @@ def methods_of(records: Sequence[ExamRecord]) -> list[str]:
 
 def answer_rows(records: Sequence[ExamRecord], methods: Sequence[str]) -> pd.DataFrame:
     """Return one row a question and method: hidden causes, answer, mark."""
-    columns = ["trial", "method", "hidden", "answer", "causes", "mark", "solved"]
     rows = [
-        _answer_row(record, method)
+        (
+            record.name,
+            method,
+            " + ".join(f"{one.identity}={one.value:.4g}" for one in record.hidden) or "nothing",
+            answer.conclusion or answer.error,
+            " + ".join(map(_described, answer.causes)),
+            mark(record, method),
+            solved(record, method),
+        )
         for record in records
         for method in methods
-        if method in record.answers
+        if (answer := record.answers.get(method)) is not None
     ]
+    columns = ["trial", "method", "hidden", "answer", "causes", "mark", "solved"]
     return pd.DataFrame(rows, columns=columns)
 
 
-def _answer_row(record: ExamRecord, method: str) -> dict[str, Any]:
-    answer = record.answers[method]
-    hidden = (f"{cause.identity}={cause.value:.4g}" for cause in record.hidden)
-    return {
-        "trial": record.name,
-        "method": method,
-        "hidden": " + ".join(hidden) or "nothing",
-        "answer": answer.conclusion or answer.error,
-        "causes": " + ".join(_causes(answer)),
-        "mark": mark(record, method),
-        "solved": solved(record, method),
-    }
-
-
-def _causes(answer: AnswerRecord) -> Iterator[str]:
-    for cause in answer.causes:
-        others = [name for name in cause.possible if name != cause.identity]
-        alternatives = f" (or {', '.join(others)})" if others else ""
-        yield f"{cause.identity}={cause.estimate:.4g}{alternatives}"
+def _described(cause: NamedCause) -> str:
+    others = [name for name in cause.possible if name != cause.identity]
+    alternatives = f" (or {', '.join(others)})" if others else ""
+    return f"{cause.identity}={cause.estimate:.4g}{alternatives}"

@@ -22,8 +22,7 @@ from rallygap.models.exam.simulate.camera_errors import (
     LabelErrors,
     Stamps,
 )
-from rallygap.models.exam.simulate.trial import CAMERAS, SCATTER
-from rallygap.models.exam.simulate.varying import Variation
+from rallygap.models.exam.simulate.trial import CAMERAS, SCATTER, Variation
 from rallygap.models.gap.hypotheses import Hypothesis
 
 COUNT = 60  # questions of a group

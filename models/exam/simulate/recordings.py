@@ -16,9 +16,13 @@ from rallygap.models.exam.simulate.equivalent_sizes import equivalent_physics
 from rallygap.models.exam.simulate.independent_ball import IndependentBall
 from rallygap.models.exam.simulate.launches import Launches, launches
 from rallygap.models.exam.simulate.laws import physics_of
-from rallygap.models.exam.simulate.scattered_shots import BallModel, ScatteredShots, scattered_shots
+from rallygap.models.exam.simulate.scattered_shots import (
+    BallModel,
+    HalfRoom,
+    ScatteredShots,
+    scattered_shots,
+)
 from rallygap.models.exam.simulate.trial import Trial
-from rallygap.models.exam.simulate.varying import HalfRoom
 
 JITTER = 3e-4  # s to either side of a frame's regular time; its time stamp includes it
 MARGIN = 0.1  # s simulated beyond the end of a recording, for a sensor that looks ahead

@@ -4,11 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+import numpy as np
+
 from rallygap.models.arena.bounce_scatter import BounceScatter
 from rallygap.models.arena.cameras import Cameras, SlowError
 from rallygap.models.ball.simulator import Simulator
+from rallygap.models.ball.types import Floats
 from rallygap.models.exam.simulate.camera_errors import CameraErrors
-from rallygap.models.exam.simulate.varying import Variation
+from rallygap.models.gap.hypotheses import Hypothesis
 
 Dynamics = Literal["catalogue", "independent"]
 SpinLabels = Literal["none", "per_shot", "per_row"]
@@ -23,6 +26,31 @@ CAMERAS = Cameras(
 )
 SCATTER = BounceScatter(restitution=0.01, friction=0.05)
 NO_ERRORS = CameraErrors()
+
+
+@dataclass(frozen=True)
+class Variation:
+    """How the value of one hidden parameter varies.
+
+    - ``drift``: linearly over the session, from nominal at the first shot; its mean is the value
+      of the cause.
+    - ``shot``: normally from shot to shot, around the value of the cause.
+    - ``place``: the cause acts where y > 0, and nowhere else.
+    """
+
+    kind: Literal["drift", "shot", "place"]
+    parameter: Hypothesis
+    spread: float = 0.0  # of kind ``shot``: standard deviation, as a share of the value
+
+    def values(
+        self, nominal: float, value: float, shots: int, random: np.random.Generator
+    ) -> Floats:
+        """Return (shots,) values of the parameter, within its bounds."""
+        if self.kind == "drift":
+            values = nominal + (value - nominal) * np.linspace(0.0, 2.0, shots)
+        else:
+            values = value * (1.0 + self.spread * random.standard_normal(shots))
+        return np.clip(values, *self.parameter.declaration.bounds)
 
 
 @dataclass(frozen=True)

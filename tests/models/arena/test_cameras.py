@@ -1,4 +1,4 @@
-"""Cameras: noise of the size that was asked for, and nothing else."""
+"""Cameras: noise and a smooth field of the sizes that were asked for, and nothing else."""
 
 from dataclasses import replace
 
@@ -26,17 +26,12 @@ def test_perfect_cameras_see_the_truth():
     assert seen.all()
 
 
-def test_position_noise_has_its_size_in_every_direction():
-    errors = measure(position_noise=0.003)[0] - STATES[:, :3]
-
-    assert errors.std(axis=0) == pytest.approx([0.003] * 3, rel=0.02)
-    assert np.abs(errors.mean(axis=0)).max() < 4 * 0.003 / np.sqrt(SAMPLES)
-
-
 def test_the_slow_part_keeps_the_size_and_falls_off_with_its_time():
     errors = measure(position_noise=0.003, share=0.4)[0] - STATES[:, :3]
 
     assert errors.std(axis=0) == pytest.approx([0.003] * 3, rel=0.05)
+    white = measure(position_noise=0.003)[0] - STATES[:, :3]
+    assert white.std(axis=0) == pytest.approx([0.003] * 3, rel=0.02)
     variance = (errors**2).mean()
     for lag, expected in ((1, 0.4 * np.exp(-0.1)), (10, 0.4 * np.exp(-1)), (100, 0.0)):
         correlation = (errors[lag:] * errors[:-lag]).mean() / variance
@@ -105,36 +100,62 @@ def test_a_field_shifts_true_positions_and_changes_no_other_error():
     np.testing.assert_array_equal(with_field[2], without[2])
 
 
-def test_rows_of_an_arc_share_an_error_of_the_label_and_arcs_do_not():
+def test_rows_of_an_arc_share_an_error_that_adds_to_that_of_each_row():
+    def label_errors(arcs, **noise):
+        cameras = replace(PERFECT, arc_spin_noise=0.03, **noise)
+        _, spins, _ = cameras.measure(STATES, np.random.default_rng(0), arcs)
+        return (spins - SPIN).reshape(-1, 4, 3)
+
     arcs = np.repeat(np.arange(SAMPLES // 4), 4)
-
-    cameras = replace(PERFECT, arc_spin_noise=0.03)
-    _, spins, _ = cameras.measure(STATES, np.random.default_rng(0), arcs)
-
-    errors = (spins - SPIN).reshape(-1, 4, 3)
+    errors = label_errors(arcs)
     np.testing.assert_array_equal(errors, np.repeat(errors[:, :1], 4, axis=1))
     of_arcs = errors[:, 0]
     assert of_arcs.std(axis=0) == pytest.approx([0.03 * 500] * 3, rel=0.03)
     following = (of_arcs[1:] * of_arcs[:-1]).mean(axis=0) / of_arcs.var(axis=0)
     assert np.abs(following).max() < 0.05
-
-
-def test_the_error_of_an_arc_adds_to_that_of_each_row():
-    arcs = np.repeat(np.arange(SAMPLES // 4), 4)
-
-    cameras = replace(PERFECT, spin_noise=0.05, arc_spin_noise=0.03)
-    _, spins, _ = cameras.measure(STATES, np.random.default_rng(0), arcs)
-
-    errors = (spins - SPIN).reshape(-1, 4, 3)
-    assert errors.std() == pytest.approx(500 * np.hypot(0.05, 0.03), rel=0.02)
-    shared = (errors[:, 0] * errors[:, 1]).mean() / errors.var()
+    both = label_errors(arcs, spin_noise=0.05)
+    assert both.std() == pytest.approx(500 * np.hypot(0.05, 0.03), rel=0.02)
+    shared = (both[:, 0] * both[:, 1]).mean() / both.var()
     assert shared == pytest.approx(0.03**2 / (0.05**2 + 0.03**2), abs=0.02)
+    one_arc = label_errors(None).reshape(-1, 3)
+    assert np.ptp(one_arc, axis=0).max() == 0.0 and one_arc.any()
 
 
-def test_a_path_without_arcs_is_one_arc():
-    cameras = replace(PERFECT, arc_spin_noise=0.03)
+FIELDS = [replace(FIELD, seed=seed) for seed in range(400)]
+PLAYING_VOLUME = np.array([[-1.5, -3.0, 0.0], [1.5, 3.0, 1.5]])  # m
 
-    _, spins, _ = cameras.measure(STATES, np.random.default_rng(0))
 
-    assert np.ptp(spins, axis=0).max() == 0.0
-    assert (spins[0] != SPIN).all()
+def places(count):
+    """Positions in the playing volume."""
+    return np.random.default_rng(0).uniform(*PLAYING_VOLUME, (count, 3))
+
+
+def test_errors_of_the_axes_have_their_size_no_mean_and_no_correlation():
+    errors = np.concatenate([field.errors(places(50)) for field in FIELDS])
+    size = FIELD.standard_deviation
+
+    assert errors.std(axis=0) == pytest.approx([size] * 3, rel=0.05)
+    assert np.abs(errors.mean(axis=0)).max() < 0.1 * size
+    assert np.abs(np.corrcoef(errors.T) - np.eye(3)).max() < 0.05
+
+
+@pytest.mark.parametrize("lengths", [0.5, 1.0, 3.0])
+def test_the_correlation_falls_off_with_the_stated_length_in_any_direction(lengths):
+    here = places(60)
+    there = here + lengths * FIELD.length * np.tile(np.eye(3), (20, 1))
+    products = [field.errors(here) * field.errors(there) for field in FIELDS]
+
+    correlation = np.mean(products, axis=(0, 1)) / FIELD.standard_deviation**2
+    assert correlation == pytest.approx([np.exp(-(lengths**2) / 2)] * 3, abs=0.07)
+
+
+def test_a_field_is_a_function_of_position_and_seed_that_its_size_scales():
+    here = places(200)
+    errors, size = FIELD.errors(here), FIELD.standard_deviation
+
+    one_by_one = np.concatenate([FIELD.errors(place[None]) for place in here])
+    np.testing.assert_allclose(errors, one_by_one, rtol=0, atol=1e-15)
+    assert np.ptp(errors, axis=0).min() > 0.1 * size
+    assert np.abs(FIELDS[1].errors(here) - errors).max() > 0.5 * size
+    larger = replace(FIELD, standard_deviation=2 * size)
+    np.testing.assert_allclose(larger.errors(here), 2 * errors)

@@ -16,7 +16,7 @@ def launches(shots, seed=0):
     return cannon_launches(SIMULATOR, shots, np.random.default_rng(seed))
 
 
-@pytest.mark.parametrize("shots", [1, 60, 2000])
+@pytest.mark.parametrize("shots", [1, 500])
 def test_nearly_every_ball_lands_on_the_near_half_first(shots):
     contacts = SIMULATOR.fly(launches(shots), np.arange(0, 1.2, 0.005)).contacts
 
@@ -39,20 +39,17 @@ def test_a_session_spreads_over_places_directions_speeds_and_spins():
     assert np.ptp(states[:, 8]) > 350  # sidespin
 
 
-def test_a_launch_is_what_the_cannon_is_set_to():
-    (state,) = launch_states(np.array([[0.1, 1.5, 0.3, 0.0, 30.0, 6.0, 100.0, 20.0]]))
+@pytest.mark.parametrize("yaw", [-90.0, 0.0, 30.0])
+def test_a_launch_is_what_the_cannon_is_set_to(yaw):
+    (state,) = launch_states(np.array([[0.1, 1.5, 0.3, yaw, 30.0, 6.0, 100.0, 20.0]]))
+    along = np.array([np.sin(np.radians(yaw)), -np.cos(np.radians(yaw))])
 
     assert state[POSITION] == pytest.approx([0.1, 1.5, 0.3])
-    assert state[VELOCITY] == pytest.approx([0, -6 * np.sqrt(3) / 2, 3])
-    assert state[SPIN] == pytest.approx([100, 0, 20])
-
-
-@pytest.mark.parametrize("yaw", [-90.0, 0.0, 30.0])
-def test_topspin_turns_the_upper_side_of_the_ball_ahead(yaw):
-    (state,) = launch_states(np.array([[0.0, 1.5, 0.3, yaw, 0.0, 6.0, 100.0, 0.0]]))
-
-    upper_side = np.cross(state[SPIN], [0, 0, 0.02])
-    assert upper_side == pytest.approx(2.0 * state[VELOCITY] / 6.0, abs=1e-12)
+    assert state[VELOCITY] == pytest.approx([*(6 * np.sqrt(3) / 2 * along), 3])
+    # Topspin turns the upper side of the ball ahead.
+    upper_side = np.cross(state[SPIN], [0, 0, 1.0])
+    assert upper_side == pytest.approx([*(100.0 * along), 0.0], abs=1e-9)
+    assert state[8] == 20.0
 
 
 def test_a_shot_is_seen_from_its_launch_until_shortly_after_its_second_contact():

@@ -20,18 +20,14 @@ def followed(states, most=5, seed=0):
     return follow_contacts(TRUTH, np.atleast_2d(states), most, np.random.default_rng(seed))
 
 
-def test_a_dropped_ball_bounces_on_its_spot_lower_and_lower():
+def test_a_dropped_ball_bounces_lower_and_lower_on_the_table_and_beside_it_on_the_floor():
     flight = followed([0.3, 0.8, 0.3, 0, 0, 0, 0, 0, 0])
-
     assert (flight.surfaces == TABLE).all()
     assert flight.times[0, 0] == pytest.approx(np.sqrt(2 * 0.28 / 9.81), rel=0.02)
     assert (np.diff(flight.states[0, :, 5]) < 0).all()
     assert np.abs(flight.states[0, :, 2] - BALL_RADIUS).max() < 0.02  # height and tilt of the table
 
-
-def test_a_ball_beside_the_table_meets_the_floor():
     flight = followed([1.5, 0.0, 0.3, 0, 1.0, 0, 0, 0, 0], most=2)
-
     assert (flight.surfaces == FLOOR_SURFACE).all()
     assert flight.states[0, :, 2] == pytest.approx([FLOOR + BALL_RADIUS] * 2, abs=1e-9)
     fall = 0.3 - FLOOR - BALL_RADIUS

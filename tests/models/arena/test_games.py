@@ -33,29 +33,20 @@ def shots(level):
     return np.array(speeds), np.array(answered)
 
 
-def test_a_point_is_the_strokes_of_two_players_in_turn():
+def test_a_point_is_the_strokes_of_two_players_in_turn_and_decides_its_winner():
+    other = {"near": "far", "far": "near"}
     for recording, point in points_of():
         kinds, states = contacts_of(recording, point)
-        directions = np.sign(states[[kind == "racket" for kind in kinds], 4])
+        struck = [row for row, kind in enumerate(kinds) if kind == "racket"]
+        directions = np.sign(states[struck, 4])
         assert kinds[:2] == ["launch", "racket"]
         assert len(directions) == point.strokes
         assert directions[0] == (1 if point.server == "near" else -1)
         assert (directions[1:] == -directions[:-1]).all()
-
-
-def test_every_stroke_that_is_answered_bounced_once_on_the_other_side():
-    for recording, point in points_of():
-        kinds, states = contacts_of(recording, point)
-        struck = [row for row, kind in enumerate(kinds) if kind == "racket"]
         for number, (row, following) in enumerate(pairwise(struck)):
             table = [k for k in range(row + 1, following) if kinds[k] == "table"]
             assert len(table) == (2 if number == 0 else 1)
             assert np.sign(states[table[-1], 1]) == np.sign(states[row, 4])
-
-
-def test_the_winner_follows_from_the_end():
-    for _, point in points_of():
-        other = {"near": "far", "far": "near"}
         last = point.server if point.strokes % 2 else other[point.server]
         lost = point.ended_by in ("net", "out")
         assert point.winner == (other[last] if lost else last)

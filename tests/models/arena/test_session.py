@@ -15,6 +15,13 @@ def flattened(recording):
     return recording.name, [array.tobytes() for array in arrays], recording.points
 
 
+@pytest.fixture
+def _small_batches(monkeypatch):
+    monkeypatch.setattr("rallygap.models.arena.session.CANNON_BATCH", 10)
+    monkeypatch.setattr("rallygap.models.arena.session.MATCH_BATCH", 2)
+
+
+@pytest.mark.usefixtures("_small_batches")
 def test_the_same_seed_gives_the_same_bytes():
     noisy = settings(30, 10, position_noise=0.003, spin_noise=0.05, dropouts=0.02, outliers=0.01)
 
@@ -25,18 +32,22 @@ def test_the_same_seed_gives_the_same_bytes():
     assert flattened(first[-1]) != flattened(other[-1])
 
 
+@pytest.mark.usefixtures("_small_batches")
 def test_a_longer_session_begins_with_a_shorter_one():
-    cannon = recordings(settings(cannon_shots=3), TRUTH, 0)
-    short = list(recordings(settings(game_episodes=10), TRUTH, 0))
+    whole = list(recordings(settings(200, 15), TRUTH, 0))
+    cannon = list(recordings(settings(cannon_shots=3), TRUTH, 0))
+    games = list(recordings(settings(game_episodes=10), TRUTH, 0))
 
-    assert list(map(flattened, cannon)) == list(map(flattened, session()[:3]))
-    assert list(map(flattened, short)) == list(map(flattened, islice(games(), len(short))))
+    assert list(map(flattened, cannon)) == list(map(flattened, whole[:3]))
+    assert list(map(flattened, games)) == list(map(flattened, whole[15 : 15 + len(games)]))
+    assert len(whole) - 15 > len(games)
 
 
 @pytest.mark.parametrize(
     ("batches", "wanted", "recordings_taken", "rounds"),
-    [(1, {"cannon_shots": 501}, 501, [1, 1, 1]), (8, {"game_episodes": 10**6}, 101, [4, 8])],
+    [(1, {"cannon_shots": 21}, 21, [1, 1, 1]), (8, {"game_episodes": 10**6}, 9, [4, 8])],
 )
+@pytest.mark.usefixtures("_small_batches")
 def test_no_more_than_a_round_is_shared_out_at_once(
     monkeypatch, batches, wanted, recordings_taken, rounds
 ):
@@ -53,16 +64,12 @@ def test_no_more_than_a_round_is_shared_out_at_once(
     assert shared == rounds
 
 
-def test_it_has_as_many_strokes_and_shots_as_asked_for():
+def test_it_has_as_many_strokes_and_shots_as_asked_for_and_all_levels_have_their_share():
     strokes = [sum(point.strokes for point in game.points) for game in games()]
-
-    assert len(session()) - len(games()) == 40
-    assert sum(strokes) >= 1500 > sum(strokes[: -len(LEVELS)])
-
-
-def test_names_are_unique_and_all_levels_have_their_share():
     names = [recording.name for recording in session()]
     counts = [sum(name.startswith(f"{level}/") for name in names) for level in LEVELS]
 
+    assert len(session()) - len(games()) == 40
+    assert sum(strokes) >= 1500 > sum(strokes[: -len(LEVELS)])
     assert len(set(names)) == len(names)
     assert max(counts) == min(counts) > 5

@@ -2,6 +2,7 @@
 
 from functools import cache
 from itertools import pairwise
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -15,23 +16,10 @@ from tests.models.arena.sessions import HIDDEN, settings
 @cache
 def session():
     """Shots and a few games, seen by cameras without random errors, with the true states."""
-    seen = recordings(settings(game_episodes=40, cannon_shots=200), HIDDEN, 0)
+    batches = {"CANNON_BATCH": 80, "MATCH_BATCH": 6}
+    with patch.multiple("rallygap.models.arena.session", **batches):
+        seen = list(recordings(settings(game_episodes=100, cannon_shots=80), HIDDEN, 0))
     return [(one, true_states(HIDDEN, one.contacts, one.times)) for one in seen]
-
-
-@cache
-def label_errors():
-    """By recording, the (n, 3) errors of each arc's samples, as shares of the spin."""
-    arcs = []
-    for recording, states in session():
-        spin = np.linalg.norm(states[:, SPIN], axis=1)
-        # A sample at a contact belongs to either arc; a tossed ball has no spin.
-        apart = np.abs(recording.times[:, None] - recording.contacts.times).min(axis=1) > 1e-6
-        used = apart & (spin > 1.0)
-        errors = (recording.spins - states[:, SPIN])[used] / spin[used, None]
-        arc = np.searchsorted(recording.contacts.times, recording.times[used], side="right")
-        arcs.append([errors[arc == number] for number in np.unique(arc)])
-    return arcs
 
 
 def test_all_recordings_have_the_same_field():
@@ -41,13 +29,18 @@ def test_all_recordings_have_the_same_field():
         np.testing.assert_allclose(recording.positions - states[:, POSITION], field, atol=1e-6)
 
 
-def test_label_errors_are_constant_between_contacts():
-    for errors in (one for arcs in label_errors() for one in arcs):
-        assert np.ptp(errors, axis=0).max() < 1e-5
-
-
-def test_label_errors_of_neighbouring_arcs_are_independent():
-    pairs = [(before[0], after[0]) for arcs in label_errors() for before, after in pairwise(arcs)]
+def test_label_errors_are_constant_between_contacts_and_those_of_neighbours_independent():
+    pairs = []
+    for recording, states in session():
+        spin = np.linalg.norm(states[:, SPIN], axis=1)
+        # A sample at a contact belongs to either arc; a tossed ball has no spin.
+        apart = np.abs(recording.times[:, None] - recording.contacts.times).min(axis=1) > 1e-6
+        used = apart & (spin > 1.0)
+        errors = (recording.spins - states[:, SPIN])[used] / spin[used, None]
+        arc = np.searchsorted(recording.contacts.times, recording.times[used], side="right")
+        arcs = [errors[arc == number] for number in np.unique(arc)]
+        assert all(np.ptp(of_arc, axis=0).max() < 1e-5 for of_arc in arcs)
+        pairs += [(before[0], after[0]) for before, after in pairwise(arcs)]
     before, after = np.swapaxes(pairs, 0, 1)
 
     assert before.std() == pytest.approx(HIDDEN.arc_spin_noise, rel=0.1)

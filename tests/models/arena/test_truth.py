@@ -10,7 +10,7 @@ from rallygap.models.ball.simulators import shipped, shipped_names
 from tests.models.arena.sessions import flying
 from tests.models.ball.balls import energy
 
-SEEDS = range(40)
+SEEDS = range(15)
 
 
 def test_it_survives_being_written_down():
@@ -19,15 +19,21 @@ def test_it_survives_being_written_down():
     assert Truth.from_dict(json.loads(json.dumps(truth.to_dict()))) == truth
 
 
-@pytest.mark.parametrize("name", shipped_names())
-def test_it_differs_from_every_shipped_simulator_in_several_effects(name):
-    known = shipped(name).to_dict()
+def test_it_differs_from_every_shipped_simulator_in_several_effects():
     for seed in SEEDS:
         hidden = draw_truth(seed).simulator.to_dict()
-        missing = set(hidden) - set(known)
-        wrong = [effect for effect in known if hidden[effect] != known[effect]]
-        assert len(missing) >= 5
-        assert len(wrong) >= 3
+        for known in (shipped(name).to_dict() for name in shipped_names()):
+            wrong = [effect for effect in known if hidden[effect] != known[effect]]
+            assert len(set(hidden) - set(known)) >= 5
+            assert len(wrong) >= 3
+
+
+def test_arenas_of_different_seeds_have_different_fields_of_similar_size():
+    fields = [draw_truth(seed).camera_field for seed in SEEDS]
+
+    assert len({field.seed for field in fields}) == len(fields)
+    assert [f.standard_deviation for f in fields] == pytest.approx([0.0015] * 15, rel=0.2)
+    assert [f.length for f in fields] == pytest.approx([0.8] * 15, rel=0.2)
 
 
 def test_a_shipped_simulator_can_fly_the_balls():
@@ -48,7 +54,7 @@ def test_no_effect_that_is_hidden_is_negligible():
             assert np.linalg.norm(other - end) > 0.001, name
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2, 3, 4])
+@pytest.mark.parametrize("seed", [0, 1])
 def test_no_bounce_gains_energy_at_any_speed(seed):
     states = flying(2000, np.random.default_rng(seed))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rallygap.models.arena.contacts import FLOOR_SURFACE, ContactSequence
-from rallygap.models.arena.umpire import judge_strokes, unreturned_outcome
+from rallygap.models.arena.umpire import after_landing, judge_strokes
 from rallygap.models.ball.contact_laws import NET, TABLE
 
 OWN, OTHER = (TABLE, -0.8), (TABLE, 0.8)
@@ -43,6 +43,9 @@ def call(*met, serve=False):
 )
 def test_a_stroke_is_good_if_it_lands_as_the_rules_ask(met, serve, good):
     assert call(*met, serve=serve).good[0] == good
+    seen = flight(*met)
+    seen.states[..., 1] *= -1  # of the other side
+    assert judge_strokes(seen, np.array([-1.0]), serve).good[0] == good
 
 
 @pytest.mark.parametrize(
@@ -52,18 +55,9 @@ def test_a_fault_has_a_name(met, fault):
     assert call(*met).fault[0] == fault
 
 
-def test_the_sides_are_judged_alike():
-    seen = flight(OTHER, FLOOR)
-    seen.states[..., 1] *= -1
+@pytest.mark.parametrize("then", [OTHER, FLOOR])
+def test_a_ball_that_nobody_returns_is_lost_at_its_next_contact(then):
+    end, surface = after_landing(flight(OTHER, then), np.array([0]))
 
-    assert judge_strokes(seen, np.array([-1.0]), serve=False).good[0]
-
-
-@pytest.mark.parametrize(
-    ("then", "how", "when"), [(OTHER, "double_bounce", 0.2), (FLOOR, "missed", 0.2)]
-)
-def test_a_ball_that_nobody_returns_ends_the_point(then, how, when):
-    end, ended_by = unreturned_outcome(flight(OTHER, then), np.array([0]))
-
-    assert ended_by[0] == how
-    assert end[0] == pytest.approx(when)
+    assert surface[0] == then[0]
+    assert end[0] == pytest.approx(0.2)

@@ -8,7 +8,7 @@ from rallygap.models.exam.design.question import Question
 from rallygap.models.exam.interface import Answer, NamedCause, Recording
 from rallygap.models.exam.runner import RemovableGap, run_question
 from rallygap.models.exam.simulate.recordings import simulate_trial
-from rallygap.models.exam.simulate.varying import Variation
+from rallygap.models.exam.simulate.trial import Variation
 from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL, trial
 

@@ -63,19 +63,15 @@ def _one_process():
 
 def test_rallygap_answers_every_question_and_the_others_one_in_so_many():
     settings = params()
-    assigned = assignments(settings)
-
     chosen = settings.exam
+    assigned, next_edition = assignments(settings), assignments(params(edition=chosen.edition + 1))
     seed = seed_of(settings.seed, f"edition {chosen.edition}")
     assert [question for question, _ in assigned] == exam(load_simulator(chosen.simulator), seed)
     assert all(RALLYGAP in methods for _, methods in assigned)
     share = np.mean([methods == METHODS for _, methods in assigned])
     assert share == pytest.approx(1 / chosen.other_methods_every, rel=0.15)
-
-
-def test_every_edition_asks_its_own_questions_of_the_same_kinds():
-    first, second = ([question for question, _ in assignments(params(edition=n))] for n in (1, 2))
-
+    # Every edition asks its own questions of the same kinds.
+    first, second = ([question for question, _ in asked] for asked in (assigned, next_edition))
     assert not {one.trial.seed for one in first} & {one.trial.seed for one in second}
     assert Counter(one.group for one in first) == Counter(one.group for one in second)
 
@@ -125,27 +121,20 @@ def test_costs_are_cpu_seconds_by_method_and_shots():
     assert rows["cpu_s_total"].to_dict() == {10: 1.0, 100: 10.0}
 
 
-def sampled(root, monkeypatch, groups, every):
-    """Names of the questions of a sample."""
-
+def test_a_sample_is_some_questions_of_some_groups(root, monkeypatch):
     def run(assignments, folder):
         return [record(name=question.trial.name) for question, _ in assignments]
 
+    def sampled(groups, every):
+        run_sample(root, root / "sample.jsonl", groups, every)
+        return [one.name for one in read_records(root / "sample.jsonl")]
+
     monkeypatch.setattr(rallygap.pipeline.exam.sample, "run_questions", run)
-    run_sample(root, root / "sample.jsonl", groups, every)
-    return [one.name for one in read_records(root / "sample.jsonl")]
-
-
-def test_a_sample_is_some_questions_of_some_groups(root, monkeypatch):
-    names = sampled(root, monkeypatch, ["distortion", "several"], 6)
     known = [question.trial.name for question, _ in assignments(params())]
-
+    names = sampled(["distortion", "several"], 6)
     assert names == [one for one in known if one.startswith(("distortion", "several"))][::6]
     assert len(names) == 20
     assert not (root / RECORDS).exists()
-    assert sampled(root, monkeypatch, [], 100) == known[::100]
-
-
-def test_an_unknown_group_is_one_error(root):
+    assert sampled([], 100) == known[::100]
     with pytest.raises(InputError, match="there is no group 'tilt'; groups: sweep"):
-        run_sample(root, root / "sample.jsonl", ["tilt"], 1)
+        sampled(["tilt"], 1)

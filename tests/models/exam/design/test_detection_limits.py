@@ -28,7 +28,7 @@ WIND, GRAVITY, BUOYANCY, ADDED_MASS, HEIGHT, TILT = map(
 )
 
 
-USUAL = {"shots": 30, "seed": 1001}
+USUAL = {"shots": 20, "seed": 1001}
 
 
 @cache
@@ -87,7 +87,7 @@ def test_a_withheld_effect_is_separated_from_all_others(usual):
 def test_flipped_labels_need_labels(usual):
     unlabelled = limits(spin_labels="none")
 
-    assert usual.minimum_sizes((LABEL_SIGNS,)) == [4 / 30]
+    assert usual.minimum_sizes((LABEL_SIGNS,)) == [4 / 20]
     gain = Hypothesis("spin_gain", "s")
     assert unlabelled.minimum_sizes((LABEL_SIGNS, gain)) == [np.inf, np.inf]
     assert usual.indistinguishable(LABEL_SIGNS, 0.1) == ()

@@ -32,6 +32,6 @@ def test_of_parallel_columns_the_simulators_own_is_fitted():
 
 
 def test_a_wrong_parameter_of_the_table_is_named_without_noise():
-    found = identification(recorded("table_bounce", "restitution", 0.90), NOMINAL, ())
+    found = identification(recorded("table_bounce", "restitution", 0.90)[:10], NOMINAL, ())
     assert [cause.identity for cause in found.causes] == ["table_bounce.restitution"]
     assert found.amended.effects["table_bounce"]["restitution"] == pytest.approx(0.9, abs=1e-3)

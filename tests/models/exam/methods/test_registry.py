@@ -17,10 +17,15 @@ WIND = {
 }
 
 
+def answer(method, effect=None, parameter="", value=0.0, withheld=()):
+    """Return the answer to recordings without noise."""
+    return METHODS[method](recorded(effect, parameter, value), NOMINAL, withheld)
+
+
 @pytest.mark.parametrize("method", WIND)
 def test_a_large_effect_in_flight_is_named_without_noise(method):
     size, tolerance = WIND[method]
-    found = METHODS[method](recorded("wind", "x", size), NOMINAL, ())
+    found = answer(method, "wind", "x", size)
     assert (found.conclusion, [cause.identity for cause in found.causes]) == ("named", ["wind.x"])
     (cause,) = found.causes
     assert cause.estimate == pytest.approx(size, rel=tolerance)
@@ -38,15 +43,15 @@ def test_a_large_effect_in_flight_is_named_without_noise(method):
     ],
 )
 def test_effects_of_the_table_and_of_labels_are_named(method, effect, parameter, value):
-    found = METHODS[method](recorded(effect, parameter, value), NOMINAL, ())
+    found = answer(method, effect, parameter, value)
     assert found.causes[0].identity == f"{effect}.{parameter}"
     assert found.causes[0].estimate == pytest.approx(value, rel=0.05)
 
 
 @pytest.mark.parametrize("method", WIND)
 def test_nothing_is_named_without_a_gap_and_a_withheld_effect_never(method):
-    assert METHODS[method](recorded(), NOMINAL, ()).conclusion == "no_gap"
-    found = METHODS[method](recorded("wind", "x", WIND[method][0]), NOMINAL, ("wind",))
+    assert answer(method).conclusion == "no_gap"
+    found = answer(method, "wind", "x", WIND[method][0], withheld=("wind",))
     assert "wind.x" not in {name for cause in found.causes for name in cause.possible}
 
 
@@ -54,11 +59,11 @@ def test_nothing_is_named_without_a_gap_and_a_withheld_effect_never(method):
 def test_the_workflows_answer_is_its_verdict():
     asked = trial(shots=30, seed=1004, causes={"table_bounce": {"restitution": 0.80}})
     recordings, _ = simulate_trial(asked)
-    answer = METHODS["rallygap"](recordings, NOMINAL, ("wind",))
+    found = METHODS["rallygap"](recordings, NOMINAL, ("wind",))
     verdict = diagnose(shots_of(recordings), NOMINAL, withheld=("wind",))
-    named, cause = answer.causes[0], verdict.causes[0]
+    named, cause = found.causes[0], verdict.causes[0]
     assert named.identity == "table_bounce.restitution"
-    assert (answer.conclusion, named.possible) == (verdict.verdict, cause.possible)
+    assert (found.conclusion, named.possible) == (verdict.verdict, cause.possible)
     assert named.estimate == rounded(cause.estimate)
     assert named.interval == tuple(rounded(end) for end in cause.interval)
-    assert answer.amended == amended(NOMINAL, verdict)
+    assert found.amended == amended(NOMINAL, verdict)

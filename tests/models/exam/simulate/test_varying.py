@@ -5,7 +5,8 @@ import pytest
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.exam.simulate.recordings import simulate_trial
-from rallygap.models.exam.simulate.varying import HalfRoom, Variation
+from rallygap.models.exam.simulate.scattered_shots import HalfRoom
+from rallygap.models.exam.simulate.trial import Variation
 from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.exam.example_trials import NOMINAL, drawn, ideal
 

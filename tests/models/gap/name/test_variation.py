@@ -1,9 +1,13 @@
-"""Variation: a parameter that drifts or differs between shots is found, and no other."""
+"""Variation: a parameter that drifts, or differs between shots or sides, is found alone."""
 
 import numpy as np
 import pytest
 
+from rallygap.models.exam.interface import shots_of
+from rallygap.models.exam.simulate.recordings import simulate_trial
+from rallygap.models.exam.simulate.trial import Trial, Variation
 from rallygap.models.gap.fit.shots import Shots
+from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.name.naming import name
 from rallygap.models.gap.name.variation import variations
 from rallygap.models.gap.settings import Question
@@ -44,4 +48,22 @@ def test_balls_that_differ_in_drag_are_found_with_their_spread():
 
 def test_a_cause_that_all_shots_have_is_no_variation():
     assert found(session(np.full(40, 0.45))) == {}
-    assert found(measured(count=40, seed=4)) == {}
+
+
+@pytest.mark.parametrize("by_side", [True, False])
+def test_a_draught_in_half_of_the_room_is_found_with_its_size(by_side):
+    wind, causes = Hypothesis("wind", "x"), {"wind": {"x": 0.3}}
+    variation = Variation("place", wind) if by_side else None
+    recordings, _ = simulate_trial(
+        Trial("", NOMINAL, causes=causes, variation=variation, shots=60, seed=5)
+    )
+    found = name(shots_of(recordings), Question(NOMINAL, SETTINGS))
+    if not by_side:
+        assert variations(found) == ()
+        return
+    (difference,) = variations(found)
+    assert (difference.identity, difference.kind) == ("wind.x", "by_side")
+    assert difference.size == pytest.approx(0.3, rel=0.3)
+    assert difference.interval[0] < 0.3 < difference.interval[1]
+    assert found.distortion is None  # it is no error of the cameras
+    assert wind in [found.explainer.evidence.columns[k] for k in found.explanation.causes]
