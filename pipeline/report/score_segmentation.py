@@ -1,10 +1,10 @@
 """The report of `score_segmentation`: detected contacts, their time errors, missed ones."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rallygap.pipeline.runtime.stage_run import StageRun
@@ -40,21 +40,23 @@ def contact_scores_figure(contacts: pd.DataFrame) -> ReportFigure:
             (s); without any the axes stay empty.
     """
     figure = Figure(figsize=(FIGURE_WIDTH, 3.0))
-    share_axes, speed_axes = figure.subplots(1, 2)
+    left, right = figure.subplots(1, 2)
     for kind, members in contacts.groupby("kind", sort=True):
         colour = CONTACT_COLOURS[str(kind)]
         errors = 1e3 * members["error"].dropna()
         weights = np.full(len(errors), 1 / max(len(errors), 1))
-        share_axes.hist(
-            errors, ERROR_BINS, weights=weights, histtype="step", lw=1.8, color=colour, label=kind
-        )
-        _draw_by_speed(speed_axes, members, colour, SPEEDS[str(kind)])
-    share_axes.set(xlabel="detected - true time (ms)", ylabel="share of contacts")
-    speed_axes.set(xlabel="speed (m/s)", ylabel="detected - true time (ms)")
-    speed_axes.set_ylim(-1.1 * LARGEST_ERROR, 1.1 * LARGEST_ERROR)
+        style: dict[str, Any] = {"histtype": "step", "lw": 1.8, "color": colour, "label": kind}
+        left.hist(errors, ERROR_BINS, weights=weights, **style)
+        missed = members.loc[~members["detected"], "speed"]
+        style = {"color": colour, "label": SPEEDS[str(kind)], "ms": 3}
+        right.plot(members["speed"], 1e3 * members["error"], ".", **style)
+        right.plot(missed, np.full(len(missed), -LARGEST_ERROR), "x", color=colour, ms=5)
+    left.set(xlabel="detected - true time (ms)", ylabel="share of contacts")
+    right.set(xlabel="speed (m/s)", ylabel="detected - true time (ms)")
+    right.set_ylim(-1.1 * LARGEST_ERROR, 1.1 * LARGEST_ERROR)
     if len(contacts):
-        share_axes.legend()
-        speed_axes.legend(loc="upper right")
+        left.legend()
+        right.legend(loc="upper right")
     return ReportFigure(
         figure,
         "contact_scores",
@@ -62,9 +64,3 @@ def contact_scores_figure(contacts: pd.DataFrame) -> ReportFigure:
         caption="Racket contacts and bounces of test recordings. Left: histogram of the time "
         "errors. Right: time error over the speed; a cross is a contact that is not detected.",
     )
-
-
-def _draw_by_speed(axes: Axes, contacts: pd.DataFrame, colour: str, label: str) -> None:
-    missed = contacts[~contacts["detected"]]
-    axes.plot(contacts["speed"], 1e3 * contacts["error"], ".", color=colour, label=label, ms=3)
-    axes.plot(missed["speed"], np.full(len(missed), -LARGEST_ERROR), "x", color=colour, ms=5)

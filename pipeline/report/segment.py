@@ -55,19 +55,23 @@ def cuts_figure(
         axes.set_axis_off()
     for number, recording_id in enumerate(chosen):
         row, column = divmod(number, COLUMNS)
-        cell = list(grid[2 * row : 2 * row + 2, column])
-        recording = recordings[recordings["recording_id"] == recording_id]
-        end = recording["t"].iloc[0] + SHOWN_SECONDS
-        tables = [
-            table[(table["recording_id"] == recording_id) & (table["t"] < end)]
-            for table in (recording, samples, contacts)
+        own = [
+            table[table["recording_id"] == recording_id]
+            for table in (recordings, samples, contacts)
         ]
-        _draw_recording(cell, *tables)
+        start = own[0]["t"].iloc[0]
+        shown = [table[table["t"] < start + SHOWN_SECONDS] for table in own]
+        shown = [table.assign(t=table["t"] - start) for table in shown]
+        cell = grid[2 * row : 2 * row + 2, column]
+        _draw_recording(cell, *shown)
         cell[0].set_title(recording_id.split("/", 1)[1], fontsize="small")
     for axes in grid[:, 0]:
         axes.yaxis.label.set_visible(True)
     figure.supxlabel("time since the first sample (s)", fontsize="medium")
-    figure.legend(handles=_legend(), loc="outside upper center", ncols=6, handletextpad=0.4)
+    lines = [Line2D([], [], color=colour, label=kind) for kind, colour in CONTACT_COLOURS.items()]
+    lines.append(Line2D([], [], color=OUTLIER_COLOUR, marker="x", ls="", label="outlier"))
+    lines.append(Line2D([], [], color=PALE, marker=".", ls="", label="in no episode"))
+    figure.legend(handles=lines, loc="outside upper center", ncols=6, handletextpad=0.4)
     return ReportFigure(
         figure,
         f"cuts_{source}",
@@ -79,27 +83,19 @@ def cuts_figure(
 
 
 def _draw_recording(
-    cell: list[Axes], recording: pd.DataFrame, samples: pd.DataFrame, contacts: pd.DataFrame
+    cell: Sequence[Axes], recording: pd.DataFrame, samples: pd.DataFrame, contacts: pd.DataFrame
 ) -> None:
-    first = recording["t"].iloc[0]
     outliers = samples[samples["outlier"]]
     for axes, (column, label) in zip(cell, DRAWN.items(), strict=True):
         axes.set_axis_on()
         for kind, time in zip(contacts["kind"], contacts["t"], strict=True):
-            axes.axvline(time - first, color=CONTACT_COLOURS[kind], lw=1.2)
-        axes.plot(recording["t"] - first, recording[column], ".", color=PALE, ms=2.5, mew=0)
-        axes.plot(samples["t"] - first, samples[column], ".", color=INK, ms=2.5, mew=0)
-        axes.plot(outliers["t"] - first, outliers[column], "x", ms=4, color=OUTLIER_COLOUR)
+            axes.axvline(time, color=CONTACT_COLOURS[kind], lw=1.2)
+        axes.plot(recording["t"], recording[column], ".", color=PALE, ms=2.5, mew=0)
+        axes.plot(samples["t"], samples[column], ".", color=INK, ms=2.5, mew=0)
+        axes.plot(outliers["t"], outliers[column], "x", ms=4, color=OUTLIER_COLOUR)
         axes.set_ylabel(label, visible=False)
         axes.locator_params(nbins=3)
     cell[0].tick_params(labelbottom=False)
-
-
-def _legend() -> list[Line2D]:
-    lines = [Line2D([], [], color=colour, label=kind) for kind, colour in CONTACT_COLOURS.items()]
-    cross = Line2D([], [], color=OUTLIER_COLOUR, marker="x", ls="", label="outlier")
-    pale = Line2D([], [], color=PALE, marker=".", ls="", label="in no episode")
-    return [*lines, cross, pale]
 
 
 def splits_table(episodes: pd.DataFrame) -> ReportTable:

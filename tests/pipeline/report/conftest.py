@@ -1,4 +1,4 @@
-"""A made-up reports folder, and its page."""
+"""A made-up reports folder, and its page; every figure is in the project's style."""
 
 from pathlib import Path
 
@@ -8,10 +8,15 @@ from rallygap.pipeline.web.figure_style import apply_style
 from tests.pipeline.report.example_reports import made_up_page, make_reports
 
 
+@pytest.fixture(autouse=True, scope="session")
+def style():
+    """Draw as the pipeline does."""
+    apply_style()
+
+
 @pytest.fixture(scope="session")
 def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The report page of made-up reports and artefacts."""
-    apply_style()
     root = tmp_path_factory.mktemp("root")
     path = root / "reports" / "index.html"
     path.write_text(made_up_page(root, make_reports(root)), encoding="utf-8")

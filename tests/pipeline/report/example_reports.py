@@ -7,7 +7,7 @@ import pandas as pd
 
 from rallygap.pipeline.evaluation.example_shots import Forecast, Shot, read_shots, write_shots
 from rallygap.pipeline.paper.run_reports import Reports
-from rallygap.pipeline.report.forecast_error import forecast_error_figure
+from rallygap.pipeline.report.evaluate_predictor import forecast_error_figure
 from rallygap.pipeline.report.page import render_page
 from rallygap.pipeline.transfer.example_returns import (
     Return,

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from rallygap.pipeline.paper.assessments import NOT_DIFFERENT, Interval
-from rallygap.pipeline.paper.comparison import Finding, Group, exhibits, groups
+from rallygap.pipeline.paper.assessments import NOT_DIFFERENT, Finding, Interval
+from rallygap.pipeline.paper.comparison import Group, exhibits, groups
 from rallygap.pipeline.paper.run_reports import Reports, laptop_reports
 from rallygap.pipeline.paper.values import Value
 from rallygap.pipeline.params import read_yaml

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rallygap.pipeline.experiments.learning_curves.curves import Errors, curve_rows
-from rallygap.pipeline.report.learning_curves import learning_curves_figure
+from rallygap.pipeline.report.forecast_experiments import learning_curves_figure
 
 TESTED = np.repeat(np.arange(30), 4)
 
