@@ -7,7 +7,7 @@ import pandera.pandas as pa
 
 from rallygap.pipeline.io.schemas import checked
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.web.report_manifest import read_rows
+from rallygap.pipeline.web.pages import read_rows
 
 REPORT = Path("reports") / "evaluate_predictor" / "forecast_error.csv"
 NUMBERS = ["mean", "median", "std", "n", "ci_low", "ci_high"]

@@ -18,8 +18,8 @@ from rallygap.pipeline.gap.wording import (
     title,
 )
 from rallygap.pipeline.web.environment import page_environment
-from rallygap.pipeline.web.items import page_table, shown_figure
 from rallygap.pipeline.web.numbers import number, with_unit
+from rallygap.pipeline.web.pages import page_table, shown_figure
 from rallygap.pipeline.web.report_items import ReportFigure
 
 TEMPLATES = Path(__file__).parent / "templates"

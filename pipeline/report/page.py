@@ -13,8 +13,8 @@ from rallygap.pipeline.report.scenes import return_scenes, shot_scenes
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.transfer.example_returns import Return
 from rallygap.pipeline.web.environment import page_environment
+from rallygap.pipeline.web.pages import read_columns, read_figure, read_first_frame
 from rallygap.pipeline.web.report_items import Written
-from rallygap.pipeline.web.report_manifest import read_columns, read_figure, read_first_frame
 
 GAP_STAGES = ("close_gap", "exam", "retrain_policy")  # are shown first
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Set
 
 from rallygap.pipeline.paper.run_reports import Reports
 from rallygap.pipeline.web.labels import simulator_label
-from rallygap.pipeline.web.report_manifest import read_figure
+from rallygap.pipeline.web.pages import read_figure
 
 LAST_MS = 300  # the farthest horizon
 NEARER_MS = "115-125"  # horizons of the policies

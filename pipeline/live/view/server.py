@@ -20,8 +20,7 @@ from typing import Any
 from rallygap.pipeline.live.latency import Latencies
 from rallygap.pipeline.live.view.frame import Frame, picture
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.web.environment import page_environment
-from rallygap.pipeline.web.table_geometry import table_geometry
+from rallygap.pipeline.web.environment import page_environment, table_geometry
 
 TEMPLATES = Path(__file__).parent / "templates"
 HOST = "127.0.0.1"
