@@ -54,10 +54,10 @@ class CaseVerdict:
 def items(run: StageRun) -> Iterator[ReportItem]:
     """Yield errors and leading causes of every source, then the tables."""
     verdicts = []
-    for row in run.kept("close_gap", "cases").to_dict("records"):
-        name = case_name(row["source"], row["simulator"], row["split"])
-        text = run.input("close_gap", f"{name}.json").read_text(encoding="utf-8")
-        verdicts.append(CaseVerdict(**row, verdict=Verdict.from_json(text)))
+    for source, simulator, split, shots in run.kept("close_gap", "cases").to_numpy():
+        file = run.input("close_gap", f"{case_name(source, simulator, split)}.json")
+        verdict = Verdict.from_json(file.read_text(encoding="utf-8"))
+        verdicts.append(CaseVerdict(source, simulator, split, shots, verdict))
     for source in dict.fromkeys(case.source for case in verdicts):
         members = [case for case in verdicts if case.source == source]
         yield closing_figure(members)
@@ -208,8 +208,9 @@ def stability_table(verdicts: Sequence[CaseVerdict]) -> pd.DataFrame:
     ``verdicts`` counts the splits' verdicts; a source and simulator without any has one row.
     """
     causes = cause_table(verdicts).query("role == 'leading'")
-    found = causes.groupby([*CASE[:2], "cause", "unit"], sort=False)["estimate"]
-    found = found.agg(found="size", estimate="mean", lowest="min", highest="max").reset_index()
+    estimates = causes.groupby([*CASE[:2], "cause", "unit"], sort=False)["estimate"]
+    numbers = {"found": "size", "estimate": "mean", "lowest": "min", "highest": "max"}
+    found = estimates.agg(**numbers).reset_index()
     cases = verdict_table(verdicts).groupby(CASE[:2], sort=False)["verdict"]
     counted = cases.agg(verdicts=_counted, splits="size").reset_index()
     columns = ["verdicts", "cause", "unit", "found", "splits", "estimate", "lowest", "highest"]

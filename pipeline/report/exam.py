@@ -185,7 +185,7 @@ def accuracy_figure(records: Records, methods: Sequence[str]) -> ReportFigure:
         axes.set_xticks(list(cells.values()), [f"{value:g}" for value in cells.values()])
         axes.minorticks_off()
     grid[0].set_ylabel("solved questions (%)")
-    add_legend(figure, grid[0], "upper left", ncols=len(methods))
+    add_legend(figure, grid[0], loc="outside upper left", ncols=len(methods))
     return ReportFigure(
         figure,
         "accuracy",
@@ -222,7 +222,7 @@ def methods_figure(records: Records, methods: Sequence[str]) -> ReportFigure:
     axes.set_xticks(range(len(names)), names, fontsize=7.5)
     axes.set(ylabel="share (%)", ylim=(-2, 103))
     axes.grid(visible=False, axis="x")
-    add_legend(figure, axes, "upper left", ncols=len(methods))
+    add_legend(figure, axes, loc="outside upper left", ncols=len(methods))
     return ReportFigure(
         figure,
         "methods",

@@ -37,10 +37,10 @@ def label_rows(axes: Axes, names: Sequence[str]) -> None:
     axes.set_ylim(len(names) - 0.5, -0.5)
 
 
-def add_legend(figure: Figure, axes: Axes, place: str = "lower center", **style: Any) -> None:
-    """Add the legend of one panel outside all of them."""
+def add_legend(figure: Figure, axes: Axes, **style: Any) -> None:
+    """Add the legend of one panel outside all of them, below where ``loc`` does not say else."""
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc=f"outside {place}", **style)
+    figure.legend(handles, labels, **{"loc": "outside lower center", **style})
 
 
 def physics_colour(predictor: str) -> str:

@@ -113,7 +113,7 @@ def readings_figure(rates: pd.DataFrame) -> Figure:
             axes.plot([], [], marker, color=INK, markersize=4, label=PROTOCOLS[protocol])
         axes.set_xlabel("returns (%)")
         axes.grid(visible=False, axis="y")
-        axes.set_title(f"{OBSERVED[observation]},\n{ahead(horizons)}")
+        axes.set_title(f"{OBSERVED[str(observation)]},\n{ahead(str(horizons))}")
     label_rows(grid[0], [predictor_label(name) for name in predictors])
     add_legend(figure, grid[0], ncols=2, title=f"{sample(rates)}, 95 % intervals")
     return figure

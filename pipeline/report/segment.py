@@ -62,7 +62,7 @@ def cuts_figure(
         start = own[0]["t"].iloc[0]
         shown = [table[table["t"] < start + SHOWN_SECONDS] for table in own]
         shown = [table.assign(t=table["t"] - start) for table in shown]
-        cell = grid[2 * row : 2 * row + 2, column]
+        cell = list(grid[2 * row : 2 * row + 2, column])
         _draw_recording(cell, *shown)
         cell[0].set_title(recording_id.split("/", 1)[1], fontsize="small")
     for axes in grid[:, 0]:

@@ -250,5 +250,6 @@ def tolerance_figure(rates: pd.DataFrame) -> Figure:
         axes.set(title=title, xlabel="forecast position error (cm)", ylim=(0, 104))
         axes.set_xlim(left=0)
     panels[0].set_ylabel("return rate (%)")
-    add_legend(figure, panels[0], "upper left", ncols=4, title=sample(rates), alignment="left")
+    where = {"loc": "outside upper left", "alignment": "left"}
+    add_legend(figure, panels[0], ncols=4, title=sample(rates), **where)
     return figure
