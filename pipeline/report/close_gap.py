@@ -209,8 +209,8 @@ def stability_table(verdicts: Sequence[CaseVerdict]) -> pd.DataFrame:
     """
     causes = cause_table(verdicts).query("role == 'leading'")
     estimates = causes.groupby([*CASE[:2], "cause", "unit"], sort=False)["estimate"]
-    numbers = {"found": "size", "estimate": "mean", "lowest": "min", "highest": "max"}
-    found = estimates.agg(**numbers).reset_index()
+    found = estimates.agg(["size", "mean", "min", "max"]).reset_index()
+    found.columns = [*found.columns[:4], "found", "estimate", "lowest", "highest"]
     cases = verdict_table(verdicts).groupby(CASE[:2], sort=False)["verdict"]
     counted = cases.agg(verdicts=_counted, splits="size").reset_index()
     columns = ["verdicts", "cause", "unit", "found", "splits", "estimate", "lowest", "highest"]

@@ -11,7 +11,6 @@ from rallygap.pipeline.report import (
     ingest,
     policy_experiments,
     retrain_policy,
-    score_segmentation,
     segment,
     shot_quality,
     sim2real,
@@ -28,7 +27,7 @@ Reports = dict[str, Callable[[StageRun], Iterable[ReportItem]]]
 PIPELINE: Reports = {
     "ingest": ingest.items,
     "segment": segment.items,
-    "score_segmentation": score_segmentation.items,
+    "score_segmentation": segment.score_items,
     "train_predictor": train_predictor.items,
     "close_gap": close_gap.items,
     "evaluate_predictor": evaluate_predictor.items,
@@ -38,8 +37,6 @@ PIPELINE: Reports = {
     "shot_quality": shot_quality.items,
     "retrain_policy": retrain_policy.items,
 }
-
-
 EXPERIMENTS: Reports = {
     "exam": exam.items,
     "arenas": forecast_experiments.arenas,

@@ -14,7 +14,7 @@ from rallygap.pipeline.report.ingest import (
     launches_figure,
     measured_balls_figure,
 )
-from rallygap.pipeline.report.score_segmentation import LARGEST_ERROR, contact_scores_figure
+from rallygap.pipeline.report.segment import LARGEST_ERROR, contact_scores_figure
 from rallygap.pipeline.sources.launches import QUANTITIES, measured_launches, simulated_launches
 
 STATE_COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
