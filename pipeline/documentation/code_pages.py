@@ -46,9 +46,8 @@ def command_page(_: Path) -> str:
 
     command = get_group(app)
     for subcommand in command.commands.values():
-        subcommand.short_help = (subcommand.help or "").partition("\n")[
-            0
-        ]  # else the list has half sentences
+        # Else the list has half sentences.
+        subcommand.short_help = (subcommand.help or "").partition("\n")[0]
     text = get_docs_for_click(obj=command, ctx=Context(command), name="rallygap")
     return COMMANDS + text.replace("# `rallygap`\n", "", 1)
 
@@ -62,14 +61,8 @@ def catalogue_page(_: Path) -> str:
         rows = [_effect_row(effect, param) for effect in effects for param in effect.parameters]
         parts.append(f"## {title}\n\n{markdown_table([*head, 'source'], rows)}\n")
     rows = [
-        [
-            f"`{quantity.name}`",
-            quantity.acts,
-            quantity.meaning,
-            f"{quantity.start:g}",
-            str(quantity.size),
-        ]
-        for quantity in QUANTITIES
+        [f"`{one.name}`", one.acts, one.meaning, f"{one.start:g}", str(one.size)]
+        for one in QUANTITIES
     ]
     names = ["quantity", "acts in", "meaning", "start", "components"]
     return "\n".join([*parts, f"{QUANTITIES_HEAD}\n{markdown_table(names, rows)}"])

@@ -32,11 +32,7 @@ from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.web.labels import PREDICTORS, SIMULATORS
 
 MISSING = "–"
-LABELS: dict[str, dict[str, str]] = {
-    "predictor": PREDICTORS,
-    "other": PREDICTORS,
-    "simulator": SIMULATORS,
-}  # by column
+LABELS = {"predictor": PREDICTORS, "other": PREDICTORS, "simulator": SIMULATORS}  # by column
 IMAGES = "docs/images/"  # copies of figures that git has nowhere else, by stage
 _BLOCK = re.compile(r"(<!-- (table: .*?)-->\n)(.*?)(?=<!-- end -->)", re.DOTALL)
 _IMAGE = re.compile(r"!\[[^]]*\]\((?!https?:)([^)]+)\)")
@@ -141,22 +137,19 @@ def shown_results(root: Path) -> dict[str, set[str]]:
     """
     shown: dict[str, set[str]] = {}
     for page in pages(root):
-        for file in _shown_by(page, root):
-            shown.setdefault(file, set()).add(page.relative_to(root).as_posix())
+        text = page.read_text(encoding="utf-8")
+        files = [
+            f"reports/{yaml.safe_load(query)['table']}" for _, query, _ in _BLOCK.findall(text)
+        ]
+        for link in _IMAGE.findall(text):
+            image = (page.parent / link).resolve().relative_to(root.resolve()).as_posix()
+            stage, _, name = image.removeprefix(IMAGES).rpartition("/")
+            is_copy = image.startswith(IMAGES) and stage
+            files.append(f"reports/{stage}/figures/{name}" if is_copy else image)
+        for file in files:
+            if file.startswith("reports/"):
+                shown.setdefault(file, set()).add(page.relative_to(root).as_posix())
     return dict(sorted(shown.items()))
-
-
-def _shown_by(page: Path, root: Path) -> Iterator[str]:
-    text = page.read_text(encoding="utf-8")
-    for _, query, _ in _BLOCK.findall(text):
-        yield f"reports/{yaml.safe_load(query)['table']}"
-    for link in _IMAGE.findall(text):
-        image = (page.parent / link).resolve().relative_to(root.resolve()).as_posix()
-        stage, _, name = image.removeprefix(IMAGES).rpartition("/")
-        if image.startswith("reports/"):
-            yield image
-        elif image.startswith(IMAGES) and stage:
-            yield f"reports/{stage}/figures/{name}"
 
 
 def _records(content: Any, levels: list[str]) -> Iterator[dict[str, Any]]:

@@ -20,7 +20,7 @@ from rallygap.pipeline.runtime.paths import check_folder
 from rallygap.pipeline.runtime.progress import PhaseBar
 from rallygap.pipeline.web.environment import page_environment
 from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, MUTED, apply_style
-from rallygap.pipeline.web.items import page_table, shown_figure
+from rallygap.pipeline.web.pages import page_table, shown_figure
 from rallygap.pipeline.web.report_items import ReportFigure
 
 TEMPLATES = Path(__file__).parent / "templates"

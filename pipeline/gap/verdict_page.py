@@ -17,9 +17,9 @@ from rallygap.pipeline.gap.summary import (
     title,
 )
 from rallygap.pipeline.web.environment import page_environment
-from rallygap.pipeline.web.items import page_table, shown_figure
 from rallygap.pipeline.web.labels import KIND_NAMES
 from rallygap.pipeline.web.numbers import interval_text, number, percent, with_unit
+from rallygap.pipeline.web.pages import page_table, shown_figure
 from rallygap.pipeline.web.report_items import ReportFigure
 
 TEMPLATES = Path(__file__).parent / "templates"

@@ -27,8 +27,7 @@ from rallygap.models.live.track import LONGEST_GAP
 from rallygap.pipeline.live.latency import Latencies
 from rallygap.pipeline.live.messages import BallForecast, alarm_sentence
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.web.environment import page_environment
-from rallygap.pipeline.web.table_geometry import table_geometry
+from rallygap.pipeline.web.environment import page_environment, table_geometry
 
 TEMPLATES = Path(__file__).parent / "templates"
 HOST = "127.0.0.1"

@@ -42,6 +42,22 @@ class Interval(NamedTuple):
         return Interval(factor * self.value, low, high)
 
 
+class Finding(NamedTuple):
+    """What a run has for a number of the paper.
+
+    Attributes:
+        assessment: empty where the rule of the value gives it.
+        value: the number; text where it is none, ``None`` where there is none.
+        interval: of 95 %, where there is one.
+        shown: how it is written; empty where value, interval and unit say it.
+    """
+
+    assessment: str = ""
+    value: float | str | None = None
+    interval: Interval | None = None
+    shown: str = ""
+
+
 def setting(ours: float | str, printed: float | str, *, minimum: bool = False) -> str:
     """Return whether a setting equals the paper's, or reaches it where that is a minimum."""
     if isinstance(ours, str) or isinstance(printed, str):

@@ -8,7 +8,7 @@ from rallygap.pipeline.paper.assessments import (
     NO_NUMBER,
     NOT_COMPARABLE,
     NOT_MEASURED,
-    Interval,
+    Finding,
     claim,
     combined,
     compared,
@@ -16,7 +16,7 @@ from rallygap.pipeline.paper.assessments import (
     setting,
     within,
 )
-from rallygap.pipeline.paper.run_reports import Reading, Reports
+from rallygap.pipeline.paper.run_reports import Reports
 from rallygap.pipeline.paper.sources import READERS
 from rallygap.pipeline.paper.values import NOTHING, Value, number, printed_values, with_unit
 from rallygap.pipeline.params import read_yaml
@@ -28,15 +28,6 @@ CONTEXT = (
     "Shots, arm and policy differ from the paper's. Network and training are the paper's only in "
     "the profile paper; the tables of settings below say what this run has."
 )
-
-
-class Finding(NamedTuple):
-    """What a run has for a number of the paper, with the assessment."""
-
-    assessment: str
-    value: float | str | None = None
-    interval: Interval | None = None
-    shown: str = NOTHING
 
 
 class Group(NamedTuple):
@@ -129,21 +120,22 @@ def _find(value: Value, run: Reports) -> Finding:
         problem = f"cannot be compared: {error}; run the stage again"
         raise InputError(run.written_in, problem, field=value.ours) from None
     if found is None:
-        return Finding(NO_NUMBER if value.rule == "quoted" else NOT_MEASURED)
-    shown = found.shown or with_unit(found.value, value.unit)
-    if found.interval is not None and not found.shown:
+        return Finding(NO_NUMBER if value.rule == "quoted" else NOT_MEASURED, shown=NOTHING)
+    shown = with_unit(found.value, value.unit)
+    if found.interval is not None:
         ours, low, high = map(number, found.interval)
         shown = f"{ours} ({low} to {high}) {value.unit}".strip()
-    return Finding(_assessment(value, found), found.value, found.interval, shown)
+    return found._replace(
+        assessment=found.assessment or _assessment(value, found), shown=found.shown or shown
+    )
 
 
-def _assessment(value: Value, found: Reading) -> str:
-    if found.interval is None or found.assessment:
-        return found.assessment or setting(
-            found.value, value.value or 0.0, minimum=value.rule == "at_least"
-        )
+def _assessment(value: Value, ours: Finding) -> str:
+    if ours.interval is None:
+        is_minimum = value.rule == "at_least"
+        return setting(ours.value or 0.0, value.value or 0.0, minimum=is_minimum)
     if value.rule == "rate":
-        return compared(found.interval, rate(value.count or 0, value.of or 0).times(100))
+        return compared(ours.interval, rate(value.count or 0, value.of or 0).times(100))
     if value.rule == "twice":
-        return within(found.interval, *ABOUT_TWICE)
-    return claim(found.interval, grows=value.rule == "more")
+        return within(ours.interval, *ABOUT_TWICE)
+    return claim(ours.interval, grows=value.rule == "more")

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from rallygap.pipeline.io.markdown import markdown_table
-from rallygap.pipeline.paper.assessments import MEANINGS
-from rallygap.pipeline.paper.comparison import Exhibit, Finding, Group, compare, exhibits, groups
+from rallygap.pipeline.paper.assessments import MEANINGS, Finding
+from rallygap.pipeline.paper.comparison import Group, compare, exhibits, groups
 from rallygap.pipeline.paper.run_reports import Reports, kept_reports, laptop_reports
-from rallygap.pipeline.paper.values import NOTHING, Value
+from rallygap.pipeline.paper.values import NOTHING
 
 LAPTOP, PAPER, SHOTS = "laptop", "paper", "shots"  # runs
 OF_POLICIES = {"train_policy", "sim2sim", "sim2real", "shot_quality"}  # stages
@@ -42,8 +42,9 @@ def paper_page(root: Path) -> str:
     """
     runs = compared_runs(root)
     found = {name: compare(run) for name, run in runs.items()}
-    parts = [PREAMBLE, _meanings(), _exhibits(runs)]
-    parts += [_group(group, found) for group in groups()]
+    meanings = [[f"*{word}*", meaning] for word, meaning in MEANINGS.items()]
+    parts = [PREAMBLE, _section("Assessments", "", ["assessment", "meaning"], meanings)]
+    parts += [_exhibits(runs), *(_group(group, found) for group in groups())]
     return "\n".join(parts).rstrip()
 
 
@@ -58,19 +59,13 @@ def _is_shown(name: str, stages: Iterable[str]) -> bool:
     return name != SHOTS or not OF_POLICIES.isdisjoint(stages)
 
 
-def _assessment(exhibit: Exhibit, name: str, run: Reports) -> str:
-    return exhibit.assessment(run) if _is_shown(name, [exhibit.stage]) else NOTHING
-
-
-def _meanings() -> str:
-    rows = [[f"*{word}*", meaning] for word, meaning in MEANINGS.items()]
-    return _section("Assessments", "", ["assessment", "meaning"], rows)
-
-
 def _exhibits(runs: Mapping[str, Reports]) -> str:
     rows = []
     for exhibit in exhibits():
-        words = [_assessment(exhibit, name, run) for name, run in runs.items()]
+        words = [
+            exhibit.assessment(run) if _is_shown(name, [exhibit.stage]) else NOTHING
+            for name, run in runs.items()
+        ]
         rows.append([exhibit.name, exhibit.what, f"`{exhibit.stage}`", exhibit.ours, *words])
     names = ["in the paper", "what", "stage", "ours", *(f"assessment: {name}" for name in runs)]
     about = (
@@ -82,16 +77,15 @@ def _exhibits(runs: Mapping[str, Reports]) -> str:
 def _group(group: Group, found: Mapping[str, Mapping[str, Finding]]) -> str:
     stages = [value.stage for value in group.values]
     runs = {name: findings for name, findings in found.items() if _is_shown(name, stages)}
-    rows = [_row(value, [run[value.id] for run in runs.values()]) for value in group.values]
-    ours = [head for name in runs for head in (f"run {name}", "assessment")]
-    names = ["what", "stage: source", "printed in the paper", *ours]
+    rows = []
+    for value in group.values:
+        stage = f"`{value.stage}`: " if value.stage else ""
+        findings = [run[value.id] for run in runs.values()]
+        ours = [text for finding in findings for text in (finding.shown, finding.assessment)]
+        rows.append([value.what, f"{stage}{value.ours}", value.printed_text, *ours])
+    heads = [head for name in runs for head in (f"run {name}", "assessment")]
+    names = ["what", "stage: source", "printed in the paper", *heads]
     return _section(group.title, group.about, names, rows)
-
-
-def _row(value: Value, found: list[Finding]) -> list[str]:
-    stage = f"`{value.stage}`: " if value.stage else ""
-    ours = [text for finding in found for text in (finding.shown, finding.assessment)]
-    return [value.what, f"{stage}{value.ours}", value.printed_text, *ours]
 
 
 def _section(title: str, about: str, names: list[str], rows: list[list[str]]) -> str:

@@ -1,14 +1,14 @@
 """The reports and parameters of a run, as the comparison with the paper reads them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from rallygap.pipeline.io.artifacts import read_json
-from rallygap.pipeline.paper.assessments import Interval
 from rallygap.pipeline.params import load_params, with_current_keys
 from rallygap.pipeline.runtime.errors import InputError
 
@@ -28,6 +28,7 @@ class Reports:
     folder: Path
     params: Mapping[str, Any]
     written_in: Path = Path("params.yaml")
+    _tables: dict[str, pd.DataFrame] = field(default_factory=dict, compare=False)  # by file
 
     def param(self, path: str) -> Any:
         """Return a parameter by its path, such as ``sim2sim.episodes``; ``None`` without it."""
@@ -49,9 +50,13 @@ class Reports:
         """
         path = self.folder / file
         try:
-            table = pd.read_csv(path, keep_default_na=False, na_values=[""])
-            there = {*keys, *numbers} <= set(table)
-            return table.astype(dict.fromkeys(numbers, float)) if there else pd.DataFrame()
+            if file not in self._tables:
+                self._tables[file] = pd.read_csv(path, keep_default_na=False, na_values=[""])
+            table = self._tables[file]
+            if not {*keys, *numbers} <= set(table):
+                return pd.DataFrame()
+            texts = [name for name in numbers if not pd.api.types.is_numeric_dtype(table[name])]
+            return table.astype(dict.fromkeys(texts, float)) if texts else table
         except FileNotFoundError:
             return pd.DataFrame()
         except ValueError as error:
@@ -63,30 +68,19 @@ class Reports:
         Raises:
             ValueError: there are several such rows.
         """
-        table = self.table(file, list(keys), names)
-        for column, value in keys.items() if len(table) else ():
-            table = table[table[column] == value]
+        table = rows_with(self.table(file, list(keys), names), keys)
         if len(table) > 1:
             raise ValueError(f"{file} has {len(table)} rows with {keys}")
-        if table.empty or table.iloc[0][[*names]].isna().any():
+        if table.empty or table[[*names]].isna().any(axis=None):
             return None
-        return [float(table.iloc[0][name]) for name in names]
+        return [float(table[name].iloc[0]) for name in names]
 
 
-class Reading(NamedTuple):
-    """A number of ours.
-
-    Attributes:
-        value: the number; text where it is none.
-        interval: of 95 %, where there is one.
-        shown: how it is written, if not as value, interval and unit.
-        assessment: where reading it decides the claim.
-    """
-
-    value: float | str
-    interval: Interval | None = None
-    shown: str = ""
-    assessment: str = ""
+def rows_with(table: pd.DataFrame, keys: Mapping[str, str | int]) -> pd.DataFrame:
+    """Return the rows with these values; an empty table may lack the columns."""
+    if table.empty:
+        return table
+    return table[np.all([table[column] == value for column, value in keys.items()], axis=0)]
 
 
 def laptop_reports(root: Path) -> Reports:

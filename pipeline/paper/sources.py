@@ -8,12 +8,13 @@ from rallygap.pipeline.paper.assessments import (
     FAILS,
     HOLDS,
     OPEN,
+    Finding,
     Interval,
     claim,
     combined,
     difference,
 )
-from rallygap.pipeline.paper.run_reports import Reading, Reports
+from rallygap.pipeline.paper.run_reports import Reports, rows_with
 from rallygap.pipeline.paper.values import Value, number, number_or_text
 
 DIGITS = 4  # of a difference in percentage points: tables have six digits of a share
@@ -28,7 +29,7 @@ NETWORK, TRAINING = "train_predictor.networks.transformer", "train_predictor.tra
 HORIZONS = "train_policy.groups.sim2sim.horizons_ms"
 
 
-def _table(value: Value, run: Reports, argument: str = "") -> Reading | None:
+def _table(value: Value, run: Reports, argument: str = "") -> Finding | None:
     """Return a number of a table of the reports, from the row that the argument names."""
     file, column = value.ours.split(": ")
     where = dict(part.split("=") for part in (argument or value.argument).split("; "))
@@ -37,44 +38,44 @@ def _table(value: Value, run: Reports, argument: str = "") -> Reading | None:
         return None
     ours, *ends = (value.scale * (each + value.offset) for each in found[:3])
     if not ends:
-        return Reading(ours)
+        return Finding(value=ours)
     interval = Interval(ours, *ends)
     if len(found) == 3:
-        return Reading(ours, interval)
+        return Finding(value=ours, interval=interval)
     counts = f"{round(found[3], 1):g} of {found[4]:.0f}"
     shown = f"{counts}: {number(ours)} % ({interval.low:.0f} to {interval.high:.0f})"
-    return Reading(ours, interval, shown)
+    return Finding("", ours, interval, shown)
 
 
-def _difference(value: Value, run: Reports) -> Reading | None:
+def _difference(value: Value, run: Reports) -> Finding | None:
     """Return one number of a table minus another that is independent of it."""
     found = [_table(value, run, argument) for argument in (value.argument, value.minus)]
     ends = [each.interval for each in found if each is not None and each.interval is not None]
     if len(ends) < len(found):
         return None
     interval = Interval(*(round(end, DIGITS) + 0.0 for end in difference(*ends)))  # no -0
-    return Reading(interval.value, interval)
+    return Finding(value=interval.value, interval=interval)
 
 
-def _parameter(value: Value, run: Reports) -> Reading | None:
+def _parameter(value: Value, run: Reports) -> Finding | None:
     found = run.param(value.ours.removeprefix("params.yaml: "))
-    return None if found is None else Reading(value.scale * float(found))
+    return None if found is None else Finding(value=value.scale * float(found))
 
 
-def _constant(value: Value, run: Reports) -> Reading | None:
+def _constant(value: Value, run: Reports) -> Finding | None:
     """Return a constant of the code, the same in every run; a test compares it with the code."""
-    return Reading(number_or_text(value.argument))
+    return Finding(value=number_or_text(value.argument))
 
 
-def _simulator(value: Value, run: Reports) -> Reading | None:
+def _simulator(value: Value, run: Reports) -> Finding | None:
     """Return a parameter of a shipped simulator, named in the file or by a parameter of the run."""
     effect, parameter = value.argument.split(".")
     place, what = value.ours.split(": ")
     name = run.param(what) if place == "params.yaml" else place.split("/")[-1][: -len(".yaml")]
-    return None if name is None else Reading(float(shipped(name).effects[effect][parameter]))
+    return None if name is None else Finding(value=float(shipped(name).effects[effect][parameter]))
 
 
-def _error(value: Value, run: Reports) -> Reading | None:
+def _error(value: Value, run: Reports) -> Finding | None:
     """Return whether the transformer's mean error is below a rival's at every horizon.
 
     The number is the difference at the last horizon in percent of the rival's error.
@@ -90,7 +91,7 @@ def _error(value: Value, run: Reports) -> Reading | None:
     if word == HOLDS and min(lower for _, lower in known) < 1:
         word = OPEN
     interval = known[-1][0].times(100 / last[0])
-    return Reading(interval.value, interval, assessment=word)
+    return Finding(word, interval.value, interval)
 
 
 def _error_difference(
@@ -110,26 +111,25 @@ def _error_difference(
     return None
 
 
-def _spread(value: Value, run: Reports) -> Reading | None:
+def _spread(value: Value, run: Reports) -> Finding | None:
     """Return whether the standard deviation of the error is below every rival's at all horizons.
 
     The number is the excess over the smallest of the rivals at the last horizon in percent.
     """
     quantity, *rivals = value.argument.split()
     table = run.table(ERRORS, ["quantity", "horizon_ms", "predictor", *CASE], ["std"])
-    for column, kept in {**CASE, "quantity": quantity}.items() if len(table) else ():
-        table = table[table[column] == kept]
+    table = rows_with(table, {**CASE, "quantity": quantity})
     if not {LEARNED, *rivals} <= set(table.get("predictor", ())):
         return None
     spread = table.pivot(index="horizon_ms", columns="predictor", values="std")
     best = spread[rivals].min(axis=1)
     word = HOLDS if (spread[LEARNED] < best).all() else FAILS
-    return Reading(100 * float((spread[LEARNED] / best).iloc[-1] - 1), assessment=word)
+    return Finding(word, 100 * float((spread[LEARNED] / best).iloc[-1] - 1))
 
 
-def _computed(value: Value, run: Reports) -> Reading | None:
+def _computed(value: Value, run: Reports) -> Finding | None:
     found = COMPUTED[value.argument](run)
-    return None if found is None else Reading(found)
+    return None if found is None else Finding(value=found)
 
 
 def _episodes(run: Reports, column: str = "", values: Collection[str] = ()) -> float | None:
@@ -137,16 +137,14 @@ def _episodes(run: Reports, column: str = "", values: Collection[str] = ()) -> f
     table = run.table(SPLITS, ["source", *([column] if column else [])], ["episodes"])
     if table.empty:
         return None
-    table = table[table["source"] == SET]
+    table = rows_with(table, {"source": SET})
     chosen = table[table[column].isin(values)] if column else table
     return float(chosen["episodes"].sum())
 
 
 def _players(run: Reports) -> list[str]:
-    table = run.table(SPLITS, ["source", "group"], [])
-    if table.empty:
-        return []
-    return sorted({*table.loc[table["source"] == SET, "group"]} - {CANNON})
+    table = rows_with(run.table(SPLITS, ["source", "group"], []), {"source": SET})
+    return sorted(set(table.get("group", ())) - {CANNON})
 
 
 def _training_share(run: Reports) -> float | None:
@@ -163,20 +161,14 @@ def _training(run: Reports, key: str, missing: str, present: str = "") -> float 
     return missing if found is None else present or found
 
 
-def _future_rows(run: Reports) -> int | None:
+def _decoder(run: Reports, *, placeholders: bool = False) -> float | str | None:
+    """Return how many rows the decoder has, or what its rows of the future hold."""
     states = run.param(f"{NETWORK}.states_per_row")
-    return None if states is None else FUTURE // int(states)
-
-
-def _decoder_rows(run: Reports) -> float | None:
-    rows = _future_rows(run)
-    return None if rows is None else HISTORY + rows
-
-
-def _placeholders(run: Reports) -> str | None:
-    rows = _future_rows(run)
-    if rows is None:
+    if states is None:
         return None
+    rows = FUTURE // int(states)
+    if not placeholders:
+        return HISTORY + rows
     uniform = run.param(f"{NETWORK}.uniform_motion")
     return f"{rows} rows of uniform motion" if uniform else f"{rows} x 6 zeros"
 
@@ -193,14 +185,14 @@ COMPUTED: Mapping[str, Callable[[Reports], float | str | None]] = {
     "test_episodes": lambda run: _episodes(run, "split", ["test"]),
     "training_share": _training_share,
     "player_levels": lambda run: len(_players(run)) or None,
-    "decoder_rows": _decoder_rows,
-    "placeholders": _placeholders,
+    "decoder_rows": _decoder,
+    "placeholders": lambda run: _decoder(run, placeholders=True),
     "decay": lambda run: _training(run, "decay", "half a cosine"),
     "optimizer": lambda run: _training(run, "matrix_learning_rate", "Adam", "Muon and Adam"),
     "near_horizons": lambda run: _horizons(run, 0),
     "far_horizons": lambda run: _horizons(run, 1),
 }
-READERS: Mapping[str, Callable[[Value, Reports], Reading | None]] = {
+READERS: Mapping[str, Callable[[Value, Reports], Finding | None]] = {
     "table": _table,
     "difference": _difference,
     "parameter": _parameter,

@@ -2,10 +2,12 @@
 
 import csv
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field, TypeAdapter
+from pydantic.dataclasses import dataclass
 
 NOTHING = "–"
 PATH = Path(__file__).with_name("values.csv")
@@ -42,7 +44,7 @@ class Value:
     what: str
     stage: str = ""
     rule: str = "same"
-    value: float | str | None = None
+    value: Annotated[float | str | None, Field(union_mode="left_to_right")] = None
     shown: str = ""
     unit: str = ""
     count: int | None = None
@@ -81,16 +83,8 @@ class PrintedTransfer(NamedTuple):
 def printed_values() -> tuple[Value, ...]:
     """Return all values in the paper's order."""
     with PATH.open(encoding="utf-8", newline="") as file:
-        return tuple(_value(row) for row in csv.DictReader(file))
-
-
-def _value(row: dict[str, str]) -> Value:
-    fields: dict[str, Any] = {name: text for name, text in row.items() if text}
-    fields |= {name: int(fields[name]) for name in ("count", "of") if name in fields}
-    fields |= {name: float(fields[name]) for name in ("offset", "scale") if name in fields}
-    if "value" in fields:
-        fields["value"] = number_or_text(fields["value"])
-    return Value(**fields)
+        rows = ({name: text for name, text in row.items() if text} for row in csv.DictReader(file))
+        return tuple(TypeAdapter(Value).validate_python(row) for row in rows)
 
 
 def printed_transfer() -> dict[str, PrintedTransfer]:

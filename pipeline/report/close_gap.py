@@ -19,6 +19,7 @@ from rallygap.pipeline.gap.figures import (
     shade_undetectable,
 )
 from rallygap.pipeline.io.amended_simulators import case_name
+from rallygap.pipeline.report.plots import label_rows
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.web.figure_style import FIGURE_WIDTH
 from rallygap.pipeline.web.labels import simulator_label
@@ -27,11 +28,7 @@ from rallygap.pipeline.web.report_items import ReportFigure, ReportItem, ReportT
 
 CASE = ["source", "simulator", "split"]
 CAUSE = ["cause", "role", "kind", "unit", "nominal", "estimate", "low", "high"]
-CAUSE += ["p_value", "gap_share"]
-WORTH = ["worth_mm", "worth_low", "worth_high"]
-CLOSED = ["removable_closed", "closed_low", "closed_high"]
-REDUCTION = ["reduction_low_mm", "reduction_high_mm"]
-LANDING = ["landing_before_mm", "landing_after_mm", "landing_floor_mm"]
+CAUSE += ["p_value", "gap_share", "worth_mm", "worth_low", "worth_high", "possible"]
 ERRORS = [
     "horizon_ms",
     *("before_mm", "before_low", "before_high"),
@@ -56,7 +53,11 @@ class CaseVerdict:
 
 def items(run: StageRun) -> Iterator[ReportItem]:
     """Yield errors and leading causes of every source, then the tables."""
-    verdicts = [_read(run, row) for row in run.kept("close_gap", "cases").to_dict("records")]
+    verdicts = []
+    for source, simulator, split, shots in run.kept("close_gap", "cases").to_numpy():
+        file = run.input("close_gap", f"{case_name(source, simulator, split)}.json")
+        verdict = Verdict.from_json(file.read_text(encoding="utf-8"))
+        verdicts.append(CaseVerdict(source, simulator, split, shots, verdict))
     for source in dict.fromkeys(case.source for case in verdicts):
         members = [case for case in verdicts if case.source == source]
         yield closing_figure(members)
@@ -108,25 +109,18 @@ def items(run: StageRun) -> Iterator[ReportItem]:
     )
 
 
-def _read(run: StageRun, row: dict[Any, Any]) -> CaseVerdict:
-    name = case_name(row["source"], row["simulator"], row["split"])
-    text = run.input("close_gap", f"{name}.json").read_text(encoding="utf-8")
-    return CaseVerdict(**row, verdict=Verdict.from_json(text))
-
-
 def closing_figure(verdicts: Sequence[CaseVerdict]) -> ReportFigure:
     """Draw the errors on one source, a panel per simulator and a line per split."""
-    source, simulators = verdicts[0].source, _simulators(verdicts)
-    figure = Figure(figsize=(FIGURE_WIDTH, 3.6))
-    panels = figure.subplots(1, len(simulators), sharey=True, squeeze=False)[0]
-    for axes, simulator in zip(panels, simulators, strict=True):
-        for case in verdicts:
-            if case.simulator == simulator and case.verdict.gap:
+    figure, panels = _panels(verdicts, 3.6)
+    for axes, members in panels:
+        for case in members:
+            if case.verdict.gap:
                 draw_errors(axes, case.verdict.gap)
-        axes.set(title=simulator_label(simulator), xlabel="prediction horizon (ms)")
-    panels[0].set_ylim(bottom=0)
-    panels[0].set_ylabel("position error (mm)")
+        axes.set_xlabel("prediction horizon (ms)")
+    panels[0][0].set_ylim(bottom=0)
+    panels[0][0].set_ylabel("position error (mm)")
     add_legend(figure)
+    source = verdicts[0].source
     return ReportFigure(
         figure,
         f"errors_{source}",
@@ -139,19 +133,23 @@ def closing_figure(verdicts: Sequence[CaseVerdict]) -> ReportFigure:
 
 def stability_figure(verdicts: Sequence[CaseVerdict]) -> ReportFigure:
     """Draw the detectable causes on one source, a panel per simulator and a mark per split."""
-    source, simulators = verdicts[0].source, _simulators(verdicts)
-    names = list(
-        dict.fromkeys(c.identity for case in verdicts for c in detectable_causes(case.verdict))
-    )
-    figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW_HEIGHT * len(names) / 1.6))
-    panels = figure.subplots(1, len(simulators), sharex=True, sharey=True, squeeze=False)[0]
-    for axes, simulator in zip(panels, simulators, strict=True):
-        _draw_causes(axes, [case for case in verdicts if case.simulator == simulator], names)
-        axes.set_title(simulator_label(simulator))
+    causes = [cause for case in verdicts for cause in detectable_causes(case.verdict)]
+    names = list(dict.fromkeys(cause.identity for cause in causes))
+    figure, panels = _panels(verdicts, HEADROOM + ROW_HEIGHT * len(names) / 1.6, sharex=True)
+    for axes, members in panels:
+        shade_undetectable(axes)
+        for place, case in enumerate(members):
+            offset = SPREAD * ((place + 0.5) / len(members) - 0.5)
+            for cause in detectable_causes(case.verdict):
+                row = names.index(cause.identity) + offset
+                draw_departure(axes, row, cause, case.verdict, line=2, mark=4)
+        axes.set_xscale("symlog", linthresh=1.0, linscale=0.3)
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.grid(axis="y", visible=False)
     figure.supxlabel("estimate − simulator (min. detectable effects)", fontsize="medium")
-    panels[0].set_yticks(range(len(names)), names)
-    panels[0].set_ylim(len(names) - 0.5, -0.5)
+    label_rows(panels[0][0], names)
     add_legend(figure)
+    source = verdicts[0].source
     return ReportFigure(
         figure,
         f"causes_{source}",
@@ -168,41 +166,38 @@ def detectable_causes(verdict: Verdict) -> list[Cause]:
     return [cause for cause in verdict.leading if cause.identity in verdict.minimum_detectable]
 
 
-def _draw_causes(axes: Axes, verdicts: Sequence[CaseVerdict], names: Sequence[str]) -> None:
-    shade_undetectable(axes)
-    for place, case in enumerate(verdicts):
-        offset = SPREAD * ((place + 0.5) / len(verdicts) - 0.5)
-        for cause in detectable_causes(case.verdict):
-            row = names.index(cause.identity) + offset
-            draw_departure(axes, row, cause, case.verdict, line=2, mark=4)
-    axes.set_xscale("symlog", linthresh=1.0, linscale=0.3)
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.grid(axis="y", visible=False)
-
-
-def _simulators(verdicts: Sequence[CaseVerdict]) -> list[str]:
-    return list(dict.fromkeys(case.simulator for case in verdicts))
+def _panels(
+    verdicts: Sequence[CaseVerdict], height: float, *, sharex: bool = False
+) -> tuple[Figure, list[tuple[Axes, list[CaseVerdict]]]]:
+    """Return a figure, and a panel for each simulator with the verdicts on it."""
+    by_simulator: dict[str, list[CaseVerdict]] = {}
+    for case in verdicts:
+        by_simulator.setdefault(case.simulator, []).append(case)
+    figure = Figure(figsize=(FIGURE_WIDTH, height))
+    grid = figure.subplots(1, len(by_simulator), sharex=sharex, sharey=True, squeeze=False)[0]
+    for axes, simulator in zip(grid, by_simulator, strict=True):
+        axes.set_title(simulator_label(simulator))
+    return figure, list(zip(grid, by_simulator.values(), strict=True))
 
 
 def verdict_table(verdicts: Sequence[CaseVerdict]) -> pd.DataFrame:
     """Return one row per case: the verdict, with its causes in text."""
-    return pd.DataFrame([{**_case(case), **_verdict(case)} for case in verdicts])
+    return pd.DataFrame([_case(case) | _verdict(case.shots, case.verdict) for case in verdicts])
 
 
 def cause_table(verdicts: Sequence[CaseVerdict]) -> pd.DataFrame:
     """Return one row per case and cause."""
-    rows = [{**_case(case), **_cause(cause)} for case in verdicts for cause in case.verdict.causes]
-    return pd.DataFrame(rows, columns=[*CASE, *CAUSE, *WORTH, "possible"])
+    rows = [_case(case) | _cause(cause) for case in verdicts for cause in case.verdict.causes]
+    return pd.DataFrame(rows, columns=[*CASE, *CAUSE])
 
 
 def error_table(verdicts: Sequence[CaseVerdict]) -> pd.DataFrame:
     """Return one row per case and horizon: errors on held-out shots."""
     rows = [
-        {**_case(case), **row}
+        _case(case) | row
         for case in verdicts
         if case.verdict.gap
         for row in _errors(case.verdict.gap)
-        if FIRST_MS <= row["horizon_ms"] <= LAST_MS
     ]
     return pd.DataFrame(rows, columns=[*CASE, *ERRORS])
 
@@ -213,68 +208,51 @@ def stability_table(verdicts: Sequence[CaseVerdict]) -> pd.DataFrame:
     ``verdicts`` counts the splits' verdicts; a source and simulator without any has one row.
     """
     causes = cause_table(verdicts).query("role == 'leading'")
-    rows = []
-    for setting, cases in verdict_table(verdicts).groupby(CASE[:2], sort=False):
-        counts = Counter(cases["verdict"])
-        row = {
-            **dict(zip(CASE, setting, strict=False)),
-            "verdicts": ", ".join(f"{count} {word}" for word, count in counts.items()),
-            "splits": len(cases),
-        }
-        members = causes[(causes[CASE[:2]] == setting).all(axis=1)]
-        rows += [{**row, **cause} for cause in _over_splits(members)] or [row]
+    estimates = causes.groupby([*CASE[:2], "cause", "unit"], sort=False)["estimate"]
+    found = estimates.agg(["size", "mean", "min", "max"]).reset_index()
+    found.columns = [*found.columns[:4], "found", "estimate", "lowest", "highest"]
+    cases = verdict_table(verdicts).groupby(CASE[:2], sort=False)["verdict"]
+    counted = cases.agg(verdicts=_counted, splits="size").reset_index()
     columns = ["verdicts", "cause", "unit", "found", "splits", "estimate", "lowest", "highest"]
-    return pd.DataFrame(rows, columns=[*CASE[:2], *columns])
+    return counted.merge(found, "left", on=CASE[:2])[[*CASE[:2], *columns]]
 
 
-def _over_splits(causes: pd.DataFrame) -> list[dict[str, Any]]:
-    return [
-        {
-            "cause": cause,
-            "unit": unit,
-            "found": len(splits),
-            "estimate": splits["estimate"].mean(),
-            "lowest": splits["estimate"].min(),
-            "highest": splits["estimate"].max(),
-        }
-        for (cause, unit), splits in causes.groupby(["cause", "unit"], sort=False)
-    ]
-
-
-def _errors(gap: Gap) -> list[dict[str, float]]:
-    before, after = (
-        zip(*gap.before_interval_mm, strict=True),
-        zip(*gap.after_interval_mm, strict=True),
-    )
-    columns = (gap.horizons_ms, gap.before_mm, *before, gap.after_mm, *after, gap.floor_mm)
-    return [dict(zip(ERRORS, row, strict=True)) for row in zip(*columns, strict=True)]
+def _counted(words: pd.Series) -> str:
+    return ", ".join(f"{count} {word}" for word, count in Counter(words).items())
 
 
 def _case(case: CaseVerdict) -> dict[str, Any]:
-    values = (case.source, case.simulator, case.split)
-    return dict(zip(CASE, values, strict=True))
+    return {"source": case.source, "simulator": case.simulator, "split": case.split}
 
 
-def _verdict(case: CaseVerdict) -> dict[str, Any]:
-    verdict, gap = case.verdict, case.verdict.gap
-    closed = landing = (np.nan, np.nan, np.nan)
-    reduction = (np.nan, np.nan)
+def _errors(gap: Gap) -> Iterator[dict[str, float]]:
+    """Yield the errors at the horizons of the table."""
+    intervals = zip(gap.before_interval_mm, gap.after_interval_mm, strict=True)
+    errors = zip(gap.horizons_ms, gap.before_mm, gap.after_mm, gap.floor_mm, strict=True)
+    for (horizon, before, after, floor), ends in zip(errors, intervals, strict=True):
+        if FIRST_MS <= horizon <= LAST_MS:
+            row = (horizon, before, *ends[0], after, *ends[1], floor)
+            yield dict(zip(ERRORS, row, strict=True))
+
+
+def _verdict(shots: int, verdict: Verdict) -> dict[str, Any]:
+    gap, landing = verdict.gap, verdict.gap.landing if verdict.gap else None
+    closed: Sequence[float] = (np.nan,) * 3
     if gap and gap.removable_closed is not None and gap.removable_closed_interval:
         closed = (gap.removable_closed, *gap.removable_closed_interval)
-    if gap and gap.reduction_mm:
-        reduction = gap.reduction_mm
-    if gap and gap.landing:
-        landing = (gap.landing.before_mm, gap.landing.after_mm, gap.landing.floor_mm)
+    reduction = gap.reduction_mm if gap and gap.reduction_mm else (np.nan, np.nan)
     return {
-        "shots": case.shots,
+        "shots": shots,
         "verdict": verdict.verdict,
         "causes": "; ".join(_text(cause) for cause in verdict.main_causes) or None,
         "minor": len(verdict.causes) - len(verdict.main_causes),
         "misfits": ", ".join(check.name for check in verdict.misfits) or None,
         "unexplained": verdict.unexplained.share,
-        **dict(zip(CLOSED, closed, strict=True)),
-        **dict(zip(REDUCTION, reduction, strict=True)),
-        **dict(zip(LANDING, landing, strict=True)),
+        **dict(zip(("removable_closed", "closed_low", "closed_high"), closed, strict=True)),
+        **dict(zip(("reduction_low_mm", "reduction_high_mm"), reduction, strict=True)),
+        "landing_before_mm": landing.before_mm if landing else np.nan,
+        "landing_after_mm": landing.after_mm if landing else np.nan,
+        "landing_floor_mm": landing.floor_mm if landing else np.nan,
     }
 
 
@@ -285,13 +263,11 @@ def _text(cause: Cause) -> str:
 
 
 def _cause(cause: Cause) -> dict[str, Any]:
-    low, high = cause.interval
     worth = (cause.worth.mm, *cause.worth.interval) if cause.worth else (np.nan,) * 3
     return {
+        **{name: getattr(cause, name, None) for name in CAUSE},
         "cause": cause.identity,
-        "low": low,
-        "high": high,
-        **dict(zip(WORTH, worth, strict=True)),
+        **dict(zip(("low", "high"), cause.interval, strict=True)),
+        **dict(zip(("worth_mm", "worth_low", "worth_high"), worth, strict=True)),
         "possible": ", ".join(cause.possible),
-        **{name: getattr(cause, name) for name in CAUSE if hasattr(cause, name)},
     }

@@ -13,8 +13,8 @@ from rallygap.pipeline.report.scenes import return_scenes, shot_scenes
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.transfer.example_returns import Return
 from rallygap.pipeline.web.environment import page_environment
+from rallygap.pipeline.web.pages import read_columns, read_figure, read_first_frame
 from rallygap.pipeline.web.report_items import Written
-from rallygap.pipeline.web.report_manifest import read_columns, read_figure, read_first_frame
 
 GAP_STAGES = ("close_gap", "exam", "retrain_policy")  # are shown first
 
@@ -55,35 +55,30 @@ def render_page(
     Raises:
         InputError: if a figure or table is missing or broken.
     """
-    shown = [_shown_stage(run.folder, stage, members) for stage, members in items.items()]
+    shown = [
+        {
+            "stage": stage,
+            "heading": stage.replace("_", " ").capitalize(),
+            "items": [_shown(run.folder / stage, item) for item in members],
+        }
+        for stage, members in items.items()
+    ]
     anchors = {f"{stage}/{item.file}" for stage, members in items.items() for item in members}
-    return (
-        page_environment()
-        .get_template("page.html")
-        .render(
-            results=list(results_section(run, anchors)),
-            gap=[one for one in shown if one["stage"] in GAP_STAGES],
-            stages=[one for one in shown if one["stage"] not in GAP_STAGES],
-            paper=paper_section(run, {*anchors, *items}) if "sim2real" in items else None,
-            shots=shot_scenes(shots),
-            returns=return_scenes(returns),
-        )
+    template = page_environment().get_template("page.html")
+    return template.render(
+        results=list(results_section(run, anchors)),
+        gap=[section for section in shown if section["stage"] in GAP_STAGES],
+        stages=[section for section in shown if section["stage"] not in GAP_STAGES],
+        paper=paper_section(run, {*anchors, *items}) if "sim2real" in items else None,
+        shots=shot_scenes(shots),
+        returns=return_scenes(returns),
     )
 
 
-def _shown_stage(reports: Path, stage: str, items: Sequence[Written]) -> dict[str, Any]:
-    return {
-        "stage": stage,
-        "heading": stage.replace("_", " ").capitalize(),
-        "items": [_shown_item(reports / stage, item) for item in items],
-    }
-
-
-def _shown_item(folder: Path, item: Written) -> dict[str, Any]:
+def _shown(folder: Path, item: Written) -> dict[str, Any]:
     path = folder / item.file
-    shown: dict[str, Any] = item._asdict()
     if item.kind == "table":
         columns = read_columns(path)
-        return {**shown, "columns": columns, "rows": range(len(columns[0].cells))}
-    shown["source"] = read_figure(path)
-    return shown if item.kind == "figure" else {**shown, "still": read_first_frame(path)}
+        return item._asdict() | {"columns": columns, "rows": range(len(columns[0].cells))}
+    still = read_first_frame(path) if item.kind == "animation" else ""
+    return item._asdict() | {"source": read_figure(path), "still": still}

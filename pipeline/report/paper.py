@@ -4,32 +4,24 @@ import math
 import re
 from collections import Counter
 from collections.abc import Set
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
-from rallygap.pipeline.paper.assessments import MEANINGS
-from rallygap.pipeline.paper.comparison import (
-    CONTEXT,
-    Finding,
-    Group,
-    exhibits,
-    groups,
-)
+from rallygap.pipeline.paper.assessments import MEANINGS, Finding
+from rallygap.pipeline.paper.comparison import CONTEXT, Group, exhibits, groups
 from rallygap.pipeline.paper.run_reports import Reports
 from rallygap.pipeline.paper.values import Value
 
 DECADES = 2.0  # of the scale on which sizes are drawn, on each side of the paper's
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(NamedTuple):
     """Where things are drawn on a scale from 0 to 100; ``None`` is not drawn."""
 
-    zero: float | None
-    paper: float | None
-    ours: float | None
-    low: float | None
-    high: float | None
+    zero: float | None = None
+    paper: float | None = None
+    ours: float | None = None
+    low: float | None = None
+    high: float | None = None
 
 
 def paper_section(run: Reports, anchors: Set[str]) -> dict[str, Any]:
@@ -39,19 +31,13 @@ def paper_section(run: Reports, anchors: Set[str]) -> dict[str, Any]:
         run: the reports that the page is about.
         anchors: of stages and of what they report, on the same page.
     """
-    shown = [
-        {
-            "name": one.name,
-            "what": one.what,
-            "ours": _linked(one.ours, anchors),
-            "assessment": one.assessment(run),
-            "stage": one.stage,
-        }
-        for one in exhibits()
-    ]
     return {
         "context": CONTEXT,
-        "exhibits": shown,
+        "exhibits": [
+            exhibit._asdict()
+            | {"ours": _linked(exhibit.ours, anchors), "assessment": exhibit.assessment(run)}
+            for exhibit in exhibits()
+        ],
         "groups": [_group(group, run) for group in groups()],
         "meanings": MEANINGS,
     }
@@ -59,11 +45,24 @@ def paper_section(run: Reports, anchors: Set[str]) -> dict[str, Any]:
 
 def _linked(ours: str, anchors: Set[str]) -> list[tuple[str, str | None]]:
     """Return the parts of a list of files, each with its anchor where the page has it."""
-    parts = re.split("([,;] )", ours)
-    names = [part.rstrip("/") for part in parts]
-    return [
-        (part, name if name in anchors else None) for part, name in zip(parts, names, strict=True)
-    ]
+    parts = [(part, part.rstrip("/")) for part in re.split("([,;] )", ours)]
+    return [(part, name if name in anchors else None) for part, name in parts]
+
+
+def _group(group: Group, run: Reports) -> dict[str, Any]:
+    findings = group.findings(run)
+    scale = "ours divided by the paper's, 1/100 to 100"
+    if group.axis is not None:
+        scale = f"{group.axis[0]:g} to {group.axis[1]:g} {group.values[0].unit}"
+    return {
+        "key": group.id,
+        "title": group.title,
+        "about": group.about,
+        "scale": scale,
+        "rows": [(value, found, mark(group, value, found)) for value, found in findings],
+        "counts": Counter(found.assessment for _, found in findings),
+        "stages": list(dict.fromkeys(value.stage for value in group.values if value.stage)),
+    }
 
 
 def mark(group: Group, value: Value, found: Finding) -> Mark:
@@ -71,55 +70,17 @@ def mark(group: Group, value: Value, found: Finding) -> Mark:
 
     Groups without an axis are drawn by their ratio, the paper's in the middle.
     """
+    printed, ours = value.printed, found.value
     if group.axis is None:
-        return _ratio(value.printed, found.value)
-    low, high = group.axis
-
-    def place(size: float | str | None) -> float | None:
-        if not isinstance(size, int | float):
-            return None
-        return round(100 * min(max((size - low) / (high - low), 0.0), 1.0), 2)
-
-    ends = (found.interval.low, found.interval.high) if found.interval else (None, None)
-    zero = place(0.0) if low < 0 < high else None
-    return Mark(zero, place(value.printed), place(found.value), *map(place, ends))
+        if isinstance(printed, str | None) or isinstance(ours, str | None):
+            return Mark()
+        decades = math.log10(ours / printed) if ours > 0 else -DECADES
+        return Mark(paper=50.0, ours=_place(decades, (-DECADES, DECADES)))
+    sizes = (0.0, printed, ours, *(found.interval or (None, None, None))[1:])
+    places = [None if isinstance(s, str | None) else _place(s, group.axis) for s in sizes]
+    return Mark(*places) if group.axis[0] < 0 < group.axis[1] else Mark(None, *places[1:])
 
 
-def _ratio(printed: float | str | None, ours: float | str | None) -> Mark:
-    if not isinstance(printed, int | float) or not isinstance(ours, int | float):
-        return Mark(None, None, None, None, None)
-    decades = math.log10(ours / printed) if ours > 0 else -DECADES
-    place = round(50 + 50 * min(max(decades / DECADES, -1.0), 1.0), 2)
-    return Mark(None, 50.0, place, None, None)
-
-
-def _group(group: Group, run: Reports) -> dict[str, Any]:
-    rows = [
-        {
-            "what": value.what,
-            "paper": value.printed_text,
-            "ours": found.shown,
-            "assessment": found.assessment,
-            "mark": mark(group, value, found),
-            "where": value.ours,
-        }
-        for value, found in group.findings(run)
-    ]
-    stages = dict.fromkeys(value.stage for value in group.values if value.stage)
-    return {
-        "key": group.id,
-        "title": group.title,
-        "about": group.about,
-        "scale": _scale(group),
-        "rows": rows,
-        "counts": dict(Counter(row["assessment"] for row in rows)),
-        "stages": list(stages),
-    }
-
-
-def _scale(group: Group) -> str:
-    if group.axis is None:
-        return "ours divided by the paper's, 1/100 to 100"
-    unit = group.values[0].unit
-    low, high = group.axis
-    return f"{low:g} to {high:g} {unit}"
+def _place(size: float, axis: tuple[float, float]) -> float:
+    low, high = axis
+    return round(100 * min(max((size - low) / (high - low), 0.0), 1.0), 2)

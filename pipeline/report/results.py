@@ -1,68 +1,15 @@
 """The results that the report page opens with: a sentence with its numbers, and a figure, each."""
 
 from collections.abc import Callable, Iterator, Set
-from dataclasses import dataclass
-from typing import Any
 
 from rallygap.pipeline.paper.run_reports import Reports
 from rallygap.pipeline.web.labels import simulator_label
-from rallygap.pipeline.web.report_manifest import read_figure
+from rallygap.pipeline.web.pages import read_figure
 
 LAST_MS = 300  # the farthest horizon
 NEARER_MS = "115-125"  # horizons of the policies
 COMPARED = ("physics_c", "transformer", "amended")  # predictors
 FEW = 300  # recordings
-
-
-@dataclass(frozen=True)
-class Result:
-    """A result.
-
-    Attributes:
-        key: of its place in the page.
-        heading: what it is about.
-        figure: in the folder of reports; a page without it leaves the result out.
-        sentence: what the reports say; a LookupError where they lack a number for it.
-    """
-
-    key: str
-    heading: str
-    figure: str
-    sentence: Callable[[Reports], str]
-
-    @property
-    def stage(self) -> str:
-        """The stage that makes what the figure is drawn from."""
-        return self.figure.split("/", maxsplit=1)[0]
-
-
-def results_section(run: Reports, anchors: Set[str]) -> Iterator[dict[str, Any]]:
-    """Yield what the template shows of each result that a run has.
-
-    Args:
-        run: the reports.
-        anchors: of the figures on the page.
-    """
-    for one in RESULTS:
-        path, sentence = run.folder / one.figure, _sentence(run, one)
-        if one.figure not in anchors or sentence is None:
-            continue
-        yield {
-            "key": one.key,
-            "heading": one.heading,
-            "sentence": sentence,
-            "source": read_figure(path),
-            "stage": one.stage,
-            "anchor": one.figure,
-        }
-
-
-def _sentence(run: Reports, result: Result) -> str | None:
-    """Return what the reports say; None where they lack a number, as other parameters may do."""
-    try:
-        return result.sentence(run)
-    except LookupError:
-        return None
 
 
 def _gap(run: Reports) -> str:
@@ -138,10 +85,35 @@ def _swap(run: Reports) -> str:
     )
 
 
-RESULTS = (
-    Result("gap", "The gap", "close_gap/figures/errors_arena.png", _gap),
-    Result("exam", "The exam", "exam/figures/accuracy.png", _exam),
-    Result("real", "Measured recordings", "real_forecasts/figures/errors.png", _real),
-    Result("predictor", "Predictors", "learning_curves/figures/errors.png", _predictor),
-    Result("swap", "The predictor swap", "swap_study/figures/readings.png", _swap),
-)
+# Heading, sentence from the reports, and figure in their folder, by place in the page. A sentence
+# that lacks a number, as with other parameters, raises LookupError.
+RESULTS: dict[str, tuple[str, Callable[[Reports], str], str]] = {
+    "gap": ("The gap", _gap, "close_gap/figures/errors_arena.png"),
+    "exam": ("The exam", _exam, "exam/figures/accuracy.png"),
+    "real": ("Measured recordings", _real, "real_forecasts/figures/errors.png"),
+    "predictor": ("Predictors", _predictor, "learning_curves/figures/errors.png"),
+    "swap": ("The predictor swap", _swap, "swap_study/figures/readings.png"),
+}
+
+
+def results_section(run: Reports, anchors: Set[str]) -> Iterator[dict[str, str]]:
+    """Yield what the template shows of each result that a run has the figure and numbers for.
+
+    Args:
+        run: the reports.
+        anchors: of the figures on the page.
+    """
+    for key, (heading, sentence, figure) in RESULTS.items():
+        try:
+            text = sentence(run)
+        except LookupError:
+            continue
+        if figure in anchors:
+            yield {
+                "key": key,
+                "heading": heading,
+                "sentence": text,
+                "source": read_figure(run.folder / figure),
+                "stage": figure.split("/")[0],
+                "anchor": figure,
+            }

@@ -8,15 +8,16 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
-from rallygap.models.robot.constants import RACKET_RADIUS
+from rallygap.models.robot.constants import BASE, BLADE, JOINTS, RACKET_RADIUS
 from rallygap.pipeline.evaluation.example_shots import Forecast, Shot
-from rallygap.pipeline.report.arm import arm_lines
+from rallygap.pipeline.report.plots import physics_colour
 from rallygap.pipeline.transfer.example_returns import Return
-from rallygap.pipeline.web.figure_style import predictor_colour
-from rallygap.pipeline.web.table_geometry import table_geometry
+from rallygap.pipeline.web.environment import table_geometry
 
-COLOUR_OF = {"physics": "physics_c"}  # predictor with the same colour
+DRAWN = ("shoulder", "elbow", "wrist_yaw")  # joints at which the drawn links meet
 
 
 def shot_scenes(shots: Sequence[Shot]) -> dict[str, Any]:
@@ -39,7 +40,7 @@ def _view(scenes: list[dict[str, Any]]) -> dict[str, Any]:
     names = sorted({name for scene in scenes for name in scene["forecasts"]})
     return {
         "scenes": scenes,
-        "colours": {name: predictor_colour(COLOUR_OF.get(name, name)) for name in names},
+        "colours": {name: physics_colour(name) for name in names},
         "table": {**table_geometry(), "racket_radius": RACKET_RADIUS},
     }
 
@@ -65,12 +66,13 @@ def _shot_scene(shot: Shot) -> dict[str, Any]:
 
 
 def _forecast(start: float, forecast: Forecast) -> dict[str, Any]:
-    return {"from": start, "t": forecast.t, "position": forecast.position}
+    return {"from": start, **forecast.model_dump()}
 
 
 def _return_scene(played: Return) -> dict[str, Any]:
     first, last = played.ball.t[0], played.ball.t[-1]
     met = last if played.hit is None else played.hit
+    points, normals = arm_lines(played.joints)
     return {
         "name": f"{played.name}, predictor {played.predictor.replace('_', ' ')}: {played.outcome}",
         "start": first,
@@ -85,14 +87,33 @@ def _return_scene(played: Return) -> dict[str, Any]:
             name: [_forecast(timed.at, timed.track) for timed in timed_forecasts]
             for name, timed_forecasts in played.forecasts.items()
         },
-        "arm": _arm(played),
+        "arm": {
+            "t": (played.frame * np.arange(len(points))).round(6).tolist(),
+            "links": points.round(3).reshape(len(points), -1).tolist(),
+            "normal": normals.round(3).tolist(),
+        },
     }
 
 
-def _arm(played: Return) -> dict[str, Any]:
-    points, normals = arm_lines(played.joints)
-    return {
-        "t": (played.frame * np.arange(len(points))).round(6).tolist(),
-        "links": points.round(3).reshape(len(points), -1).tolist(),
-        "normal": normals.round(3).tolist(),
-    }
+def arm_lines(joints: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the arm at T poses.
+
+    Args:
+        joints: (T, 6).
+
+    Returns:
+        (T, 4, 3) m: shoulder, elbow, wrist and the racket's centre; (T, 3) the racket's normal.
+    """
+    values = np.asarray(joints, dtype=np.float64)
+    rotation, point = Rotation.identity(len(values)), np.tile(BASE, (len(values), 1))
+    corners = []
+    for joint, value in zip(JOINTS, values.T, strict=True):
+        point = point + rotation.apply(joint.origin)
+        rotation = rotation * Rotation.from_euler("x", joint.pitch)
+        if joint.kind == "prismatic":
+            point = point + rotation.apply(np.outer(value, np.eye(3)["xyz".index(joint.axis)]))
+        else:
+            rotation = rotation * Rotation.from_euler(joint.axis, value[:, None])
+        if joint.name in DRAWN:
+            corners.append(point)
+    return np.stack([*corners, point + rotation.apply(BLADE)], axis=1), rotation.apply([0, 1, 0])

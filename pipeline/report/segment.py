@@ -1,7 +1,9 @@
-"""The report of `segment`: recordings over time with their contacts, and the splits."""
+"""The reports of `segment` and `score_segmentation`: contacts, their errors, and the splits."""
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,6 +21,9 @@ HEADROOM = 0.5  # inch, for the legend
 OUTLIER_COLOUR = "#c94f6d"
 PALE = "#c2c9ce"
 SHOWN_SECONDS = 4.0  # of each recording
+LARGEST_ERROR = 5.0  # ms, that is drawn
+ERROR_BINS = np.linspace(-LARGEST_ERROR, LARGEST_ERROR, 101)
+SPEEDS = {"table": "bounce: vertical speed after it", "racket": "racket: speed after it"}
 DRAWN = {"pz": "z (m)", "py": "y (m)"}
 
 
@@ -55,19 +60,23 @@ def cuts_figure(
         axes.set_axis_off()
     for number, recording_id in enumerate(chosen):
         row, column = divmod(number, COLUMNS)
-        cell = list(grid[2 * row : 2 * row + 2, column])
-        recording = recordings[recordings["recording_id"] == recording_id]
-        end = recording["t"].iloc[0] + SHOWN_SECONDS
-        tables = [
-            table[(table["recording_id"] == recording_id) & (table["t"] < end)]
-            for table in (recording, samples, contacts)
+        own = [
+            table[table["recording_id"] == recording_id]
+            for table in (recordings, samples, contacts)
         ]
-        _draw_recording(cell, *tables)
+        start = own[0]["t"].iloc[0]
+        shown = [table[table["t"] < start + SHOWN_SECONDS] for table in own]
+        shown = [table.assign(t=table["t"] - start) for table in shown]
+        cell = list(grid[2 * row : 2 * row + 2, column])
+        _draw_recording(cell, *shown)
         cell[0].set_title(recording_id.split("/", 1)[1], fontsize="small")
     for axes in grid[:, 0]:
         axes.yaxis.label.set_visible(True)
     figure.supxlabel("time since the first sample (s)", fontsize="medium")
-    figure.legend(handles=_legend(), loc="outside upper center", ncols=6, handletextpad=0.4)
+    lines = [Line2D([], [], color=colour, label=kind) for kind, colour in CONTACT_COLOURS.items()]
+    lines.append(Line2D([], [], color=OUTLIER_COLOUR, marker="x", ls="", label="outlier"))
+    lines.append(Line2D([], [], color=PALE, marker=".", ls="", label="in no episode"))
+    figure.legend(handles=lines, loc="outside upper center", ncols=6, handletextpad=0.4)
     return ReportFigure(
         figure,
         f"cuts_{source}",
@@ -79,27 +88,19 @@ def cuts_figure(
 
 
 def _draw_recording(
-    cell: list[Axes], recording: pd.DataFrame, samples: pd.DataFrame, contacts: pd.DataFrame
+    cell: Sequence[Axes], recording: pd.DataFrame, samples: pd.DataFrame, contacts: pd.DataFrame
 ) -> None:
-    first = recording["t"].iloc[0]
     outliers = samples[samples["outlier"]]
     for axes, (column, label) in zip(cell, DRAWN.items(), strict=True):
         axes.set_axis_on()
         for kind, time in zip(contacts["kind"], contacts["t"], strict=True):
-            axes.axvline(time - first, color=CONTACT_COLOURS[kind], lw=1.2)
-        axes.plot(recording["t"] - first, recording[column], ".", color=PALE, ms=2.5, mew=0)
-        axes.plot(samples["t"] - first, samples[column], ".", color=INK, ms=2.5, mew=0)
-        axes.plot(outliers["t"] - first, outliers[column], "x", ms=4, color=OUTLIER_COLOUR)
+            axes.axvline(time, color=CONTACT_COLOURS[kind], lw=1.2)
+        axes.plot(recording["t"], recording[column], ".", color=PALE, ms=2.5, mew=0)
+        axes.plot(samples["t"], samples[column], ".", color=INK, ms=2.5, mew=0)
+        axes.plot(outliers["t"], outliers[column], "x", ms=4, color=OUTLIER_COLOUR)
         axes.set_ylabel(label, visible=False)
         axes.locator_params(nbins=3)
     cell[0].tick_params(labelbottom=False)
-
-
-def _legend() -> list[Line2D]:
-    lines = [Line2D([], [], color=colour, label=kind) for kind, colour in CONTACT_COLOURS.items()]
-    cross = Line2D([], [], color=OUTLIER_COLOUR, marker="x", ls="", label="outlier")
-    pale = Line2D([], [], color=PALE, marker=".", ls="", label="in no episode")
-    return [*lines, cross, pale]
 
 
 def splits_table(episodes: pd.DataFrame) -> ReportTable:
@@ -113,4 +114,54 @@ def splits_table(episodes: pd.DataFrame) -> ReportTable:
         title="Splits",
         caption="Number of episodes and recordings in each split. A recording belongs to one "
         "split as a whole. Not every episode of a replay recording is in a replay set.",
+    )
+
+
+def score_items(run: StageRun) -> Iterator[ReportItem]:
+    """Yield precision and recall, and the time errors."""
+    settings = run.params.score_segmentation
+    yield ReportTable(
+        run.kept("score_segmentation", "contacts"),
+        "contacts",
+        title="Detected contacts",
+        caption="Contacts of test recordings while the ball is in play. A contact is detected if "
+        f"one of the same kind is detected within {1e3 * settings.tolerance:g} ms. Precision and "
+        f"recall count contacts with at least {settings.fewest_samples} samples within "
+        f"{1e3 * settings.reach:g} ms on each side and no other contact between; the others are "
+        "listed as hidden.",
+    )
+    yield contact_scores_figure(run.kept("score_segmentation", "observable"))
+
+
+def contact_scores_figure(contacts: pd.DataFrame) -> ReportFigure:
+    """Draw the time errors of contacts: histogram, and over the speed with the missed contacts.
+
+    Args:
+        contacts: true observable contacts: ``kind``, ``speed`` (m/s), ``detected``, ``error``
+            (s); without any the axes stay empty.
+    """
+    figure = Figure(figsize=(FIGURE_WIDTH, 3.0))
+    left, right = figure.subplots(1, 2)
+    for kind, members in contacts.groupby("kind", sort=True):
+        colour = CONTACT_COLOURS[str(kind)]
+        errors = 1e3 * members["error"].dropna()
+        weights = np.full(len(errors), 1 / max(len(errors), 1))
+        style: dict[str, Any] = {"histtype": "step", "lw": 1.8, "color": colour, "label": kind}
+        left.hist(errors, ERROR_BINS, weights=weights, **style)
+        missed = members.loc[~members["detected"], "speed"]
+        style = {"color": colour, "label": SPEEDS[str(kind)], "ms": 3}
+        right.plot(members["speed"], 1e3 * members["error"], ".", **style)
+        right.plot(missed, np.full(len(missed), -LARGEST_ERROR), "x", color=colour, ms=5)
+    left.set(xlabel="detected - true time (ms)", ylabel="share of contacts")
+    right.set(xlabel="speed (m/s)", ylabel="detected - true time (ms)")
+    right.set_ylim(-1.1 * LARGEST_ERROR, 1.1 * LARGEST_ERROR)
+    if len(contacts):
+        left.legend()
+        right.legend(loc="upper right")
+    return ReportFigure(
+        figure,
+        "contact_scores",
+        title="Time errors of detected contacts",
+        caption="Racket contacts and bounces of test recordings. Left: histogram of the time "
+        "errors. Right: time error over the speed; a cross is a contact that is not detected.",
     )

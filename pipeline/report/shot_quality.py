@@ -1,27 +1,23 @@
 """The report of `shot_quality`: medians of the returns, and how good the forest is."""
 
 from collections.abc import Iterator
-from textwrap import fill
+from itertools import product
 
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from rallygap.pipeline.report.plots import BARS, WHISKERS, physics_colour, set_label
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.shot_quality.returns import METRICS
 from rallygap.pipeline.web.figure_style import (
     FIGURE_WIDTH,
-    INK,
     MUTED,
-    predictor_colour,
     predictor_order,
 )
 from rallygap.pipeline.web.labels import predictor_label
 from rallygap.pipeline.web.report_items import ReportFigure, ReportItem, ReportTable
 
-BARS = 0.84  # width of all bars of a set; sets are 1 apart
-LABEL = 12  # letters of a set's name in a line
 HATCH = "////"  # the shorter horizons, as in the paper
 METHOD_COLOURS = {"logistic": "#d55e00", "forest": "#0f7fc4"}
 
@@ -145,17 +141,34 @@ def medians_figure(table: pd.DataFrame, metrics: dict[str, str]) -> Figure:
         metrics: column to title.
     """
     sets, horizons = list(table["set"].unique()), list(table["horizons_ms"].unique())
-    predictors = sorted(table["predictor"].unique(), key=_order)
+    hatches = {name: HATCH if name == horizons[0] else "" for name in horizons}
+    predictors = sorted(
+        table["predictor"].unique(), key=lambda name: (name != "physics", predictor_order(name))
+    )
+    places = {pair: place for place, pair in enumerate(product(predictors, horizons))}
+    width = BARS / len(places)
     figure = Figure(figsize=(FIGURE_WIDTH, 1.0 + 1.75 * len(metrics)))
     grid = figure.subplots(len(metrics), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (column, title) in zip(grid, metrics.items(), strict=True):
-        _draw_panel(axes, table, column, predictors)
+        for row in table[table[column].notna()].to_dict("records"):
+            place = places[row["predictor"], row["horizons_ms"]]
+            median, low, high = row[column], row[f"{column}_low"], row[f"{column}_high"]
+            axes.bar(
+                sets.index(row["set"]) - BARS / 2 + (place + 0.5) * width, median, 0.9 * width,
+                color=physics_colour(row["predictor"]), edgecolor="white", linewidth=0.0,
+                hatch=hatches[row["horizons_ms"]],
+                yerr=[[max(median - low, 0)], [max(high - median, 0)]],
+                error_kw=WHISKERS | {"capsize": 1.5},
+            )  # fmt: skip
+        axes.grid(visible=False, axis="x")
         axes.set_title(title)
-    grid[-1].set_xticks(range(len(sets)), [fill(one.replace("_", " "), LABEL) for one in sets])
-    handles = [Patch(color=_colour(one), label=predictor_label(one)) for one in predictors]
+    grid[-1].set_xticks(range(len(sets)), [set_label(name) for name in sets])
+    handles = [
+        Patch(color=physics_colour(name), label=predictor_label(name)) for name in predictors
+    ]
     handles += [
-        Patch(facecolor="none", edgecolor=MUTED, hatch=_hatch(one, horizons), label=f"{one} ms")
-        for one in horizons
+        Patch(facecolor="none", edgecolor=MUTED, hatch=hatch, label=f"{name} ms")
+        for name, hatch in hatches.items()
     ]
     figure.legend(handles=handles, loc="outside upper left", ncols=4)
     return figure
@@ -180,40 +193,3 @@ def calibration_figure(table: pd.DataFrame, share: float) -> Figure:
     axes.set(xlim=(0, end), ylim=(0, end))
     axes.legend()
     return figure
-
-
-def _draw_panel(axes: Axes, table: pd.DataFrame, column: str, predictors: list[str]) -> None:
-    sets, horizons = list(table["set"].unique()), list(table["horizons_ms"].unique())
-    width = BARS / (len(predictors) * len(horizons))
-    whiskers = {"ecolor": INK, "elinewidth": 0.9, "capsize": 1.5}
-    known = table[table[column].notna()]
-    for row in known.to_dict("records"):
-        place = predictors.index(row["predictor"]) * len(horizons)
-        place += horizons.index(row["horizons_ms"])
-        across = sets.index(row["set"]) - BARS / 2 + (place + 0.5) * width
-        height = row[column]
-        ends = [[max(height - row[f"{column}_low"], 0)], [max(row[f"{column}_high"] - height, 0)]]
-        axes.bar(
-            across,
-            height,
-            0.9 * width,
-            color=_colour(row["predictor"]),
-            edgecolor="white",
-            linewidth=0.0,
-            hatch=_hatch(row["horizons_ms"], horizons),
-            yerr=ends,
-            error_kw=whiskers,
-        )
-    axes.grid(visible=False, axis="x")
-
-
-def _hatch(ahead: str, horizons: list[str]) -> str:
-    return HATCH if ahead == horizons[0] else ""
-
-
-def _order(predictor: str) -> tuple[bool, tuple[int, str]]:
-    return predictor != "physics", predictor_order(predictor)
-
-
-def _colour(predictor: str) -> str:
-    return predictor_colour("physics_c" if predictor == "physics" else predictor)

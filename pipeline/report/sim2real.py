@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import cycle
-from textwrap import fill
 from typing import Any
 
 import pandas as pd
@@ -12,7 +11,17 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from rallygap.pipeline.paper.values import printed_transfer
-from rallygap.pipeline.report.sample import sample, trainings
+from rallygap.pipeline.report.plots import (
+    BARS,
+    WHISKERS,
+    add_legend,
+    ahead,
+    percent,
+    physics_colour,
+    sample,
+    set_label,
+    trainings,
+)
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.transfer.rates import OUTCOMES
 from rallygap.pipeline.transfer.returns import EVERY_STEP, PHYSICS, PROTOCOLS
@@ -20,7 +29,6 @@ from rallygap.pipeline.web.figure_style import (
     FIGURE_WIDTH,
     INK,
     MUTED,
-    predictor_colour,
     predictor_order,
 )
 from rallygap.pipeline.web.labels import predictor_label
@@ -28,10 +36,7 @@ from rallygap.pipeline.web.report_items import ReportFigure, ReportItem, ReportT
 
 Forecaster = tuple[str, str]  # predictor and protocol
 
-# Physics uses the policies' own simulator.
-PHYSICS_COLOURS = {"first_window": "#8fc4e8", "every_tick": predictor_colour("physics_c")}
-BARS = 0.84  # width of all bars of a set; sets are 1 apart
-LABEL = 12  # letters per line of a set's name
+FIRST_WINDOW = "#8fc4e8"  # colour of physics that forecasts once
 HITS = 0.35  # opacity of hits, behind the returns
 ERRORS = {"bias": "constant bias", "noise": "noise at every control step"}
 PAPER_ROW = "the paper's"
@@ -169,17 +174,57 @@ def transfer_figure(rates: pd.DataFrame) -> Figure:
     """
     horizons = list(rates["horizons_ms"].unique())
     sets = rates.groupby("set", sort=False)["balls"].first()
-    forecasters = _forecasters(rates)
+    pairs = rates[["predictor", "protocol"]].drop_duplicates().to_numpy(dtype=str)
+    forecasters = sorted(((str(name), str(protocol)) for name, protocol in pairs), key=_place)
     figure = Figure(figsize=(FIGURE_WIDTH, 1.2 + 2.3 * len(horizons)))
     grid = figure.subplots(len(horizons), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
-    for axes, ahead in zip(grid, horizons, strict=True):
-        panel = rates[rates["horizons_ms"] == ahead]
-        _draw_panel(axes, panel, forecasters, list(sets.index))
-        axes.set_title(f"horizons {ahead.replace('-', '–')} ms")
-    names = [f"{fill(_words(str(name)), LABEL)}\nn = {count}" for name, count in sets.items()]
+    for axes, label in zip(grid, horizons, strict=True):
+        _draw_rates(axes, rates[rates["horizons_ms"] == label], forecasters, list(sets.index))
+        axes.set_title(f"horizons {ahead(label)}")
+    names = [f"{set_label(name)}\nn = {count}" for name, count in sets.items()]
     grid[-1].set_xticks(range(len(names)), names)
-    _add_legends(figure, forecasters, trainings(rates))
+    bars = [
+        Patch(
+            color=_colour(name, protocol), label=f"{predictor_label(name)}, {PROTOCOLS[protocol]}"
+        )
+        for name, protocol in forecasters
+    ]
+    parts = [
+        Patch(color=MUTED, label="returned"),
+        Patch(color=MUTED, alpha=HITS, lw=0, label="hit"),
+        Line2D([], [], color=INK, lw=0.9, label="95 % interval of the return rate"),
+    ]
+    figure.legend(handles=bars, loc="outside upper left", ncols=2)
+    title = f"{trainings(rates)} per bar"
+    figure.legend(handles=parts, loc="outside lower center", ncols=3, title=title)
     return figure
+
+
+def _place(forecaster: Forecaster) -> tuple[bool, tuple[int, str], bool]:
+    """Return what sorts physics with both protocols first."""
+    name, protocol = forecaster
+    return name != "physics", predictor_order(name), protocol == "every_tick"
+
+
+def _draw_rates(
+    axes: Axes, rates: pd.DataFrame, forecasters: list[Forecaster], sets: list[str]
+) -> None:
+    width = BARS / len(forecasters)
+    for place, (name, protocol) in enumerate(forecasters):
+        rows = rates[(rates["predictor"] == name) & (rates["protocol"] == protocol)]
+        offset = (place - (len(forecasters) - 1) / 2) * width
+        across = [sets.index(row) + offset for row in rows["set"]]
+        rate, ends = percent(rows)
+        colour = _colour(name, protocol)
+        axes.bar(across, 100 * rows["hit_rate"], 0.9 * width, color=colour, alpha=HITS)
+        axes.bar(across, rate, 0.9 * width, color=colour, yerr=ends, error_kw=WHISKERS)
+    axes.set(ylabel="rate (% of shots)", ylim=(0, 104), yticks=range(0, 101, 25))
+    axes.grid(visible=False, axis="x")
+
+
+def _colour(name: str, protocol: str) -> str:
+    is_first = name == "physics" and protocol == "first_window"
+    return FIRST_WINDOW if is_first else physics_colour(name)
 
 
 def tolerance_figure(rates: pd.DataFrame) -> Figure:
@@ -193,74 +238,17 @@ def tolerance_figure(rates: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(FIGURE_WIDTH, 3.4))
     panels = figure.subplots(1, len(ERRORS), sharey=True)
     for axes, (error, title) in zip(panels, ERRORS.items(), strict=True):
-        for (ahead, own), colour in zip(rates.groupby("horizons_ms"), cycle(LINES), strict=False):
-            _draw_line(axes, own[own["error"] == error].sort_values("size_cm"), colour, str(ahead))
+        for (label, own), colour in zip(rates.groupby("horizons_ms"), cycle(LINES), strict=False):
+            rows = own[own["error"] == error].sort_values("size_cm")
+            low, high = 100 * rows["return_rate_low"], 100 * rows["return_rate_high"]
+            axes.fill_between(rows["size_cm"], low, high, color=colour, alpha=0.22, lw=0)
+            rate = 100 * rows["return_rate"]
+            axes.plot(rows["size_cm"], rate, ".-", color=colour, label=f"{label} ms")
             spinless = 100 * own.loc[own["error"] == "no_spin", "return_rate"].iloc[0]
-            axes.axhline(spinless, color=colour, lw=1.0, ls=":", label=f"{ahead} ms, zero spin")
+            axes.axhline(spinless, color=colour, lw=1.0, ls=":", label=f"{label} ms, zero spin")
         axes.set(title=title, xlabel="forecast position error (cm)", ylim=(0, 104))
         axes.set_xlim(left=0)
     panels[0].set_ylabel("return rate (%)")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(
-        handles, labels, loc="outside upper left", ncols=4, title=sample(rates), alignment="left"
-    )
+    where = {"loc": "outside upper left", "alignment": "left"}
+    add_legend(figure, panels[0], ncols=4, title=sample(rates), **where)
     return figure
-
-
-def _forecasters(rates: pd.DataFrame) -> list[Forecaster]:
-    """Return physics with both protocols first, then the others."""
-    pairs = rates[["predictor", "protocol"]].drop_duplicates().to_numpy(dtype=str)
-
-    def place(forecaster: Forecaster) -> tuple[bool, tuple[int, str], bool]:
-        name, protocol = forecaster
-        return name != "physics", predictor_order(name), protocol == "every_tick"
-
-    return sorted(((str(name), str(protocol)) for name, protocol in pairs), key=place)
-
-
-def _draw_panel(
-    axes: Axes, rates: pd.DataFrame, forecasters: list[Forecaster], sets: list[str]
-) -> None:
-    width = BARS / len(forecasters)
-    for place, (name, protocol) in enumerate(forecasters):
-        rows = rates[(rates["predictor"] == name) & (rates["protocol"] == protocol)]
-        offset = (place - (len(forecasters) - 1) / 2) * width
-        across = [sets.index(one) + offset for one in rows["set"]]
-        height, colour = 100 * rows["return_rate"], _colour((name, protocol))
-        ends = [height - 100 * rows["return_rate_low"], 100 * rows["return_rate_high"] - height]
-        whiskers = {"ecolor": INK, "elinewidth": 0.9, "capsize": 2}
-        axes.bar(across, 100 * rows["hit_rate"], 0.9 * width, color=colour, alpha=HITS)
-        axes.bar(across, height, 0.9 * width, color=colour, yerr=ends, error_kw=whiskers)
-    axes.set(ylabel="rate (% of shots)", ylim=(0, 104), yticks=range(0, 101, 25))
-    axes.grid(visible=False, axis="x")
-
-
-def _draw_line(axes: Axes, rows: pd.DataFrame, colour: str, ahead: str) -> None:
-    low, high = 100 * rows["return_rate_low"], 100 * rows["return_rate_high"]
-    axes.fill_between(rows["size_cm"], low, high, color=colour, alpha=0.22, lw=0)
-    axes.plot(rows["size_cm"], 100 * rows["return_rate"], ".-", color=colour, label=f"{ahead} ms")
-
-
-def _add_legends(figure: Figure, forecasters: list[Forecaster], per_bar: str) -> None:
-    bars = [
-        Patch(
-            color=_colour((name, protocol)), label=f"{predictor_label(name)}, {PROTOCOLS[protocol]}"
-        )
-        for name, protocol in forecasters
-    ]
-    parts = [
-        Patch(color=MUTED, label="returned"),
-        Patch(color=MUTED, alpha=HITS, lw=0, label="hit"),
-        Line2D([], [], color=INK, lw=0.9, label="95 % interval of the return rate"),
-    ]
-    figure.legend(handles=bars, loc="outside upper left", ncols=2)
-    figure.legend(handles=parts, loc="outside lower center", ncols=3, title=f"{per_bar} per bar")
-
-
-def _colour(forecaster: Forecaster) -> str:
-    name, protocol = forecaster
-    return PHYSICS_COLOURS[protocol] if name == "physics" else predictor_colour(name)
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")

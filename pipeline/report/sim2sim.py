@@ -5,20 +5,24 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from rallygap.pipeline.report.sample import sample
+from rallygap.pipeline.report.plots import ahead, percent, sample
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.transfer.trials import GROUND_TRUTH, IMPERFECT
 from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, INK
 from rallygap.pipeline.web.labels import simulator_label
 from rallygap.pipeline.web.report_items import ReportFigure, ReportItem, ReportTable
 
-COLOURS = {GROUND_TRUTH: "#0f7fc4", IMPERFECT: "#d55e00"}
-LABELS = {GROUND_TRUTH: "the ground truth", IMPERFECT: "the policy's own simulator"}
+# Label, colour, and side on which the bar is of its simulator's place.
+PREDICTORS = {
+    GROUND_TRUTH: ("the ground truth", "#0f7fc4", -0.5),
+    IMPERFECT: ("the policy's own simulator", "#d55e00", 0.5),
+}
 # What predictions start from.
 PROTOCOLS = {
     "first_state": "one prediction from the ball's first state, as in the paper",
@@ -81,75 +85,52 @@ def sim2sim_figure(rates: pd.DataFrame) -> Figure:
             trainings, and per_seed, the list of the single policies' return rates.
     """
     protocols = list(rates["protocol"].unique())
-    places = _places(rates)
+    simulators = list(rates["simulator"].unique())
+    blocks = {  # of bars: where the simulators stand with each triple of horizons
+        str(horizons): block * (len(simulators) + GAP) + np.arange(len(simulators))
+        for block, horizons in enumerate(rates["horizons_ms"].unique())
+    }
     figure = Figure(figsize=(FIGURE_WIDTH, 1.0 + 2.5 * len(protocols)))
     grid = figure.subplots(len(protocols), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
     for axes, protocol in zip(grid, protocols, strict=True):
-        _draw_panel(axes, rates[rates["protocol"] == protocol], places)
+        for predictor, (_, colour, side) in PREDICTORS.items():
+            rows = rates[(rates["protocol"] == protocol) & (rates["predictor"] == predictor)]
+            pairs = zip(rows["horizons_ms"], rows["simulator"], strict=True)
+            across = [blocks[block][simulators.index(name)] + side * BAR for block, name in pairs]
+            _draw_bars(axes, rows, across, colour)
+        axes.set(ylabel="return rate (%)", ylim=(0, 109), yticks=range(0, 101, 25))
+        axes.grid(visible=False, axis="x")
         axes.set_title(PROTOCOLS[protocol])
-    _label_places(grid[-1], places)
+    names = [simulator_label(name) for name in simulators] * len(blocks)
+    grid[-1].set_xticks(np.concatenate(list(blocks.values())), names)
+    below = grid[-1].secondary_xaxis(-0.13)
+    middles = [float(np.mean(block)) for block in blocks.values()]
+    below.set_xticks(middles, [f"horizons {ahead(horizons)}" for horizons in blocks])
+    below.tick_params(length=0)
+    below.spines["bottom"].set_visible(False)
     _add_legend(figure, rates)
     return figure
 
 
-def _places(rates: pd.DataFrame) -> dict[tuple[str, str], float]:
-    """Return where each simulator stands, in a block for each triple of horizons."""
-    horizons, simulators = rates["horizons_ms"].unique(), rates["simulator"].unique()
-    return {
-        (horizon, simulator): block * (len(simulators) + GAP) + place
-        for block, horizon in enumerate(horizons)
-        for place, simulator in enumerate(simulators)
-    }
-
-
-def _draw_panel(axes: Axes, rates: pd.DataFrame, places: dict[tuple[str, str], float]) -> None:
-    for predictor, side in ((GROUND_TRUTH, -0.5), (IMPERFECT, 0.5)):
-        rows = rates[rates["predictor"] == predictor]
-        settings = zip(rows["horizons_ms"], rows["simulator"], strict=True)
-        across = [places[setting] + side * BAR for setting in settings]
-        _draw_bars(axes, rows, across, COLOURS[predictor])
-    axes.set(ylabel="return rate (%)", ylim=(0, 109), yticks=range(0, 101, 25))
-    axes.grid(visible=False, axis="x")
-
-
 def _draw_bars(axes: Axes, rows: pd.DataFrame, across: list[float], colour: str) -> None:
-    height, low, high = (
-        100 * rows[name].to_numpy() for name in ("return_rate", "ci_low", "ci_high")
-    )
+    height, ends = percent(rows, "ci_low")
     whiskers = {"ecolor": INK, "elinewidth": 1.0, "capsize": 2.5}
-    axes.bar(
-        across, height, BAR, yerr=[height - low, high - height], color=colour, error_kw=whiskers
-    )
-    for place, top, number, each in zip(across, high, height, rows["per_seed"], strict=True):
-        axes.annotate(
-            f"{number:.0f}", (place, top), (0, 3), textcoords="offset points", ha="center"
-        )
-        if len(each) > 1:
-            axes.plot([place - BAR / 4] * len(each), 100 * np.array(each), **DOTS)
-
-
-def _label_places(axes: Axes, places: dict[tuple[str, str], float]) -> None:
-    axes.set_xticks(list(places.values()), [simulator_label(name) for _, name in places])
-    blocks: dict[str, list[float]] = {}
-    for (horizon, _), place in places.items():
-        blocks.setdefault(horizon, []).append(place)
-    below = axes.secondary_xaxis(-0.13)
-    below.set_xticks(
-        [float(np.mean(block)) for block in blocks.values()],
-        [f"horizons {horizon.replace('-', '–')} ms" for horizon in blocks],
-    )
-    below.tick_params(length=0)
-    below.spines["bottom"].set_visible(False)
+    axes.bar(across, height, BAR, yerr=ends, color=colour, error_kw=whiskers)
+    tops = 100 * rows["ci_high"]
+    for place, top, rate, policies in zip(across, tops, height, rows["per_seed"], strict=True):
+        text = f"{rate:.0f}"
+        axes.annotate(text, (place, top), (0, 3), textcoords="offset points", ha="center")
+        if len(policies) > 1:
+            axes.plot([place - BAR / 4] * len(policies), 100 * np.array(policies), **DOTS)
 
 
 def _add_legend(figure: Figure, rates: pd.DataFrame) -> None:
-    several = rates["per_seed"].map(len).max() > 1
-    bars = [
-        Patch(color=colour, label=f"predictions by {LABELS[name]}")
-        for name, colour in COLOURS.items()
+    handles: list[Artist] = [
+        Patch(color=colour, label=f"predictions by {label}")
+        for label, colour, _ in PREDICTORS.values()
     ]
-    whisker = Line2D([], [], color=INK, ls="", marker="|", ms=9, mew=1.0)
-    whisker.set_label(f"95 % interval, {sample(rates)}")
-    dots = [Line2D([], [], **DOTS, label="single policy")] if several else []
-    handles = [*bars, whisker, *dots]
+    label = f"95 % interval, {sample(rates)}"
+    handles.append(Line2D([], [], color=INK, ls="", marker="|", ms=9, mew=1.0, label=label))
+    if rates["per_seed"].map(len).max() > 1:
+        handles.append(Line2D([], [], **DOTS, label="single policy"))
     figure.legend(handles=handles, loc="outside upper left", ncols=2)

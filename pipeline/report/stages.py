@@ -1,25 +1,20 @@
 """What each stage reports: tables and figures, written below its folder of reports."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from functools import partial
 
 from rallygap.pipeline.report import (
-    arenas,
     close_gap,
     evaluate_predictor,
     exam,
+    forecast_experiments,
     ingest,
-    learning_curves,
-    paper_network,
-    real_forecasts,
+    policy_experiments,
     retrain_policy,
-    score_segmentation,
     segment,
     shot_quality,
     sim2real,
     sim2sim,
-    spread_policies,
-    swap_study,
     train_policy,
     train_predictor,
 )
@@ -28,11 +23,11 @@ from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.web.figure_style import apply_style
 from rallygap.pipeline.web.report_items import ReportItem, Written
 
-Reports = dict[str, Callable[[StageRun], Iterator[ReportItem]]]
+Reports = dict[str, Callable[[StageRun], Iterable[ReportItem]]]
 PIPELINE: Reports = {
     "ingest": ingest.items,
     "segment": segment.items,
-    "score_segmentation": score_segmentation.items,
+    "score_segmentation": segment.score_items,
     "train_predictor": train_predictor.items,
     "close_gap": close_gap.items,
     "evaluate_predictor": evaluate_predictor.items,
@@ -42,16 +37,14 @@ PIPELINE: Reports = {
     "shot_quality": shot_quality.items,
     "retrain_policy": retrain_policy.items,
 }
-
-
 EXPERIMENTS: Reports = {
     "exam": exam.items,
-    "arenas": arenas.items,
-    "learning_curves": learning_curves.items,
-    "real_forecasts": real_forecasts.items,
-    "swap_study": swap_study.items,
-    "spread_policies": spread_policies.items,
-    "paper_network": paper_network.items,
+    "arenas": forecast_experiments.arenas,
+    "learning_curves": forecast_experiments.learning_curves,
+    "real_forecasts": forecast_experiments.real_forecasts,
+    "swap_study": policy_experiments.swap_study,
+    "spread_policies": policy_experiments.spread_policies,
+    "paper_network": forecast_experiments.paper_network,
 }
 
 

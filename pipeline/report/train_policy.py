@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import cycle
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,6 +14,7 @@ from rallygap.models.policy.scores import fitted_line
 from rallygap.models.robot.view import frames
 from rallygap.pipeline.io.artifacts import read_table
 from rallygap.pipeline.policies.training import RETURN, TEST_TRIALS, VALIDATION_SHOTS
+from rallygap.pipeline.report.plots import ahead
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, MUTED
 from rallygap.pipeline.web.labels import simulator_label
@@ -23,6 +25,7 @@ from rallygap.pipeline.web.report_items import (
     ReportTable,
 )
 
+POLICY = ["simulator", "horizons_ms", "repeat"]
 RATES = {"return_rate": "returned (%)", "hit_rate": "hit (%)"}
 GOALS = {
     "landing_across": "landing across (m)",
@@ -45,7 +48,14 @@ def items(run: StageRun) -> Iterator[ReportItem]:
         "of its own simulator, without exploration noise. A control step is one action of one "
         "environment.",
     )
-    yield _animation(run)
+    with np.load(run.input("train_policy", RETURN)) as motion:
+        yield ReportAnimation(
+            frames(motion["joints"], motion["ball"]),
+            "return",
+            title="A return" if motion["returned"] else "A miss",
+            caption=f"The policy {motion['policy']} plays a test shot, at half speed. Bullet "
+            "simulates the arm, the ball simulator the ball.",
+        )
     yield from _goal_figures(run)
     yield ReportTable(
         run.kept("train_policy", "policies"),
@@ -55,19 +65,6 @@ def items(run: StageRun) -> Iterator[ReportItem]:
         "simulator with exact forecasts. A return lands on the far half; landing_error_m is the "
         "mean distance of returns from their goals. Slopes: of the speed and the topspin of "
         "returns over their goals, where there are such goals; 1 is perfect.",
-    )
-
-
-def _animation(run: StageRun) -> ReportAnimation:
-    with np.load(run.input("train_policy", RETURN)) as motion:
-        pictures, returned = frames(motion["joints"], motion["ball"]), bool(motion["returned"])
-        name = str(motion["policy"])
-    return ReportAnimation(
-        pictures,
-        "return",
-        title="A return" if returned else "A miss",
-        caption=f"The policy {name} plays a test shot, at half speed. Bullet "
-        "simulates the arm, the ball simulator the ball.",
     )
 
 
@@ -103,12 +100,24 @@ def learning_figure(curves: pd.DataFrame) -> Figure:
     dashes = dict(zip(curves["horizons_ms"].unique(), cycle(DASHES), strict=False))
     figure = Figure(figsize=(FIGURE_WIDTH, 1.0 + 2.3 * len(groups)))
     grid = figure.subplots(len(groups), len(RATES), squeeze=False, sharey=True)
-    for row, group in zip(grid, groups, strict=True):
-        rows = curves[curves["group"] == group]
-        for axes, rate in zip(row, RATES, strict=True):
-            _draw_curves(axes, rows, rate, colours, dashes)
-        row[0].set_title(str(group).replace("_", " "))
-    _add_legend(figure, colours, dashes)
+    for panels, group in zip(grid, groups, strict=True):
+        policies = curves[curves["group"] == group].groupby(POLICY, sort=False)
+        for axes, (rate, label) in zip(panels, RATES.items(), strict=True):
+            for (simulator, horizons, _), curve in policies:
+                style: dict[str, Any] = {"color": colours[simulator], "ls": dashes[horizons]}
+                axes.plot(curve["control_steps"] / 1000, 100 * curve[rate], lw=1.4, **style)
+            axes.set(xlabel="control steps (thousands)", ylabel=label, ylim=(0, 102))
+            axes.set_xlim(left=0)
+        panels[0].set_title(str(group).replace("_", " "))
+    of_simulators = [
+        Line2D([], [], color=colour, label=simulator_label(name))
+        for name, colour in colours.items()
+    ]
+    of_horizons = [
+        Line2D([], [], color=MUTED, ls=dash, label=f"horizons {ahead(name)}")
+        for name, dash in dashes.items()
+    ]
+    figure.legend(handles=[*of_simulators, *of_horizons], loc="outside upper left", ncols=3)
     return figure
 
 
@@ -128,16 +137,6 @@ def achieved_figure(returns: pd.DataFrame) -> Figure:
     return figure
 
 
-def _draw_curves(
-    axes: Axes, rows: pd.DataFrame, rate: str, colours: dict[str, str], dashes: dict[str, str]
-) -> None:
-    for key, curve in rows.groupby(["simulator", "horizons_ms", "repeat"], sort=False):
-        colour, dash = colours[str(key[0])], dashes[str(key[1])]
-        axes.plot(curve["control_steps"] / 1000, 100 * curve[rate], color=colour, ls=dash, lw=1.4)
-    axes.set(xlabel="control steps (thousands)", ylabel=RATES[rate], ylim=(0, 102))
-    axes.set_xlim(left=0)
-
-
 def _draw_achieved(axes: Axes, goals: np.ndarray, achieved: np.ndarray) -> None:
     axes.plot(goals, achieved, ".", ms=3, color=COLOURS[0], alpha=0.4, mew=0)
     slope, intercept = fitted_line(goals, achieved)
@@ -148,15 +147,3 @@ def _draw_achieved(axes: Axes, goals: np.ndarray, achieved: np.ndarray) -> None:
     axes.plot(ends, ends, color=MUTED, lw=1.0, ls="--")
     axes.plot(ends, slope * ends + intercept, color=COLOURS[1])
     axes.set_title(f"slope {slope:.2f}")
-
-
-def _add_legend(figure: Figure, colours: dict[str, str], dashes: dict[str, str]) -> None:
-    simulators = [
-        Line2D([], [], color=colour, label=simulator_label(name))
-        for name, colour in colours.items()
-    ]
-    horizons = [
-        Line2D([], [], color=MUTED, ls=dash, label=f"horizons {name.replace('-', '–')} ms")
-        for name, dash in dashes.items()
-    ]
-    figure.legend(handles=[*simulators, *horizons], loc="outside upper left", ncols=3)

@@ -44,16 +44,15 @@ def training_figure(curves: pd.DataFrame) -> Figure:
     columns = min(len(names), PANELS)
     rows = -(-len(names) // columns)
     figure = Figure(figsize=(FIGURE_WIDTH, 2.8 * rows))
-    axes = figure.subplots(rows, columns, squeeze=False, sharey=True)
-    for spare in axes.flat[len(names) :]:
+    grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
+    for spare in grid.flat[len(names) :]:
         spare.remove()
-    for panel, name in zip(axes.flat, names, strict=False):
+    for axes, name in zip(grid.flat, names, strict=False):
         curve = curves[curves["predictor"] == name]
-        colour = predictor_colour(name)
-        panel.plot(curve["epoch"], curve["training"], color=colour, label="training")
-        panel.plot(curve["epoch"], curve["validation"], color=colour, ls="--", label="validation")
-        panel.set(title=predictor_label(name), xlabel="epoch", yscale="log")
-        panel.legend()
-    for panel in axes[:, 0]:
-        panel.set_ylabel("mean squared error (normalised)")
+        for loss, dashes in (("training", "-"), ("validation", "--")):
+            axes.plot(curve["epoch"], curve[loss], dashes, color=predictor_colour(name), label=loss)
+        axes.set(title=predictor_label(name), xlabel="epoch", yscale="log")
+        axes.legend()
+    for axes in grid[:, 0]:
+        axes.set_ylabel("mean squared error (normalised)")
     return figure

@@ -33,7 +33,7 @@ from rallygap.pipeline.sweeps.confirm import compared_params
 from rallygap.pipeline.sweeps.report import BEST
 from rallygap.pipeline.sweeps.settings import Sweep
 from rallygap.pipeline.transfer.truth_comparison import NamedCauses
-from rallygap.pipeline.web.report_manifest import read_columns
+from rallygap.pipeline.web.pages import read_columns
 from tests.fuzz import hostile
 from tests.models.exam.example_records import answer, hidden, named, record
 from tests.models.predictors.balls import observed

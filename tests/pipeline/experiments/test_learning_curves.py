@@ -7,7 +7,7 @@ import pytest
 import rallygap.stages.learning_curves as run
 from rallygap.models.ball.simulators import shipped
 from rallygap.pipeline.experiments.learning_curves import Errors, Learner, curve_rows, subsets
-from rallygap.pipeline.report.learning_curves import learning_curves_figure
+from rallygap.pipeline.report.forecast_experiments import learning_curves_figure
 from rallygap.pipeline.runtime.stage_run import StageRun
 from tests.models.predictors.small_training import BRIEF, TINY
 from tests.pipeline.killed_runs import kill_at

@@ -33,18 +33,25 @@ def test_a_claim_holds_where_the_whole_interval_is_on_its_side(low, high, word):
     assert claim(Interval(-middle, -high, -low), grows=False) == word
 
 
-def test_a_figure_fails_with_one_claim_and_is_not_measured_without_one():
-    assert combined([HOLDS, HOLDS]) == HOLDS
-    assert combined([HOLDS, OPEN]) == OPEN
-    assert combined([HOLDS, OPEN, NOT_MEASURED]) == NOT_MEASURED
-    assert combined([HOLDS, NOT_MEASURED, FAILS]) == FAILS
-    assert combined([]) == NOT_MEASURED
+@pytest.mark.parametrize(
+    ("parts", "word"),
+    [
+        ([HOLDS, HOLDS], HOLDS),
+        ([HOLDS, OPEN], OPEN),
+        ([HOLDS, OPEN, NOT_MEASURED], NOT_MEASURED),
+        ([HOLDS, NOT_MEASURED, FAILS], FAILS),
+        ([], NOT_MEASURED),
+    ],
+)
+def test_a_figure_fails_with_one_claim_and_is_not_measured_without_one(parts, word):
+    assert combined(parts) == word
 
 
 def test_intervals_of_a_difference_of_rates_cover_95_percent():
     random = np.random.default_rng(0)
     counts = random.binomial(60, 0.8, 2000), random.binomial(60, 0.7, 2000)
-    found = [difference(rate(a, 60), rate(b, 60)) for a, b in zip(*counts, strict=True)]
+    rates = {count: rate(count, 60) for count in range(61)}
+    found = [difference(rates[a], rates[b]) for a, b in zip(*counts, strict=True)]
     assert 0.93 < np.mean([one.low <= 0.1 <= one.high for one in found]) < 0.97
 
 
@@ -56,18 +63,23 @@ def test_a_range_holds_where_the_whole_interval_lies_inside(low, high, word):
     assert within(Interval((low + high) / 2, low, high), 1.5, 2.5) == word
 
 
-def test_rates_do_not_differ_where_the_interval_of_the_difference_has_zero():
-    printed = rate(100, 200)
-    assert compared(rate(30, 60), printed) == NOT_DIFFERENT
-    assert compared(rate(55, 60), printed) == HIGHER
-    assert compared(rate(5, 60), printed) == LOWER
+@pytest.mark.parametrize(("count", "word"), [(30, NOT_DIFFERENT), (55, HIGHER), (5, LOWER)])
+def test_rates_do_not_differ_where_the_interval_of_the_difference_has_zero(count, word):
+    assert compared(rate(count, 60), rate(100, 200)) == word
 
 
-def test_a_minimum_may_be_exceeded():
-    assert setting(112_975, 100_000, minimum=True) == SAME
-    assert setting(98_000, 100_000, minimum=True) == DIFFERS
-
-
-def test_settings_are_the_same_to_one_percent():
-    assert setting(0.901, 0.9) == SAME and setting(0.92, 0.9) == DIFFERS
-    assert setting("Adam", "Adam") == SAME and setting("half a cosine", 0.95) == DIFFERS
+@pytest.mark.parametrize(
+    ("ours", "printed", "minimum", "word"),
+    [
+        (112_975, 100_000, True, SAME),
+        (98_000, 100_000, True, DIFFERS),
+        (0.901, 0.9, False, SAME),
+        (0.92, 0.9, False, DIFFERS),
+        ("Adam", "Adam", False, SAME),
+        ("half a cosine", 0.95, False, DIFFERS),
+    ],
+)
+def test_settings_are_the_same_to_one_percent_and_a_minimum_may_be_exceeded(
+    ours, printed, minimum, word
+):
+    assert setting(ours, printed, minimum=minimum) == word

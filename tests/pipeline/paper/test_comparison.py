@@ -66,26 +66,17 @@ def differences(predictor="transformer", other="physics_c", mean=-20.0, half=5.0
     ]  # fmt: skip
 
 
-def gains(points, half):
-    """Rows of gains in returns at 115-125 ms, by set."""
-    return [
-        {
-            "set": name, "horizons_ms": "115-125", "predictor": "transformer", "outcome": "returns",
-            "protocol": "every_tick", "difference": value, "ci_low": value - half,
-            "ci_high": value + half,
-        }
-        for name, value in points.items()
-    ]  # fmt: skip
+def with_ends(names, value, half):
+    """The columns of numbers with their intervals, all alike."""
+    ends = {f"{name}_low": value - half for name in names}
+    return dict.fromkeys(names, value) | ends | {f"{name}_high": value + half for name in names}
 
 
-def swap(times, half):
-    metrics = ("speed", "spin", "clearance", "win_probability")
-    row = {
-        "set": "stroke_pro", "horizons_ms": "115-125", "predictor": "transformer",
-        "protocol": "every_tick", **dict.fromkeys(metrics, times),
-    }  # fmt: skip
-    ends = {f"{one}_low": times - half for one in metrics}
-    return [row | ends | {f"{one}_high": times + half for one in metrics}]
+def gain(value, half, **keys):
+    """A row of a table of differences, of returns at 115-125 ms where keys do not say else."""
+    keys = {"horizons_ms": "115-125", "predictor": "transformer", "outcome": "returns"} | keys
+    ends = {"ci_low": value - half, "ci_high": value + half}
+    return {"protocol": "every_tick", **keys, "difference": value, **ends}
 
 
 @pytest.mark.parametrize(
@@ -128,14 +119,15 @@ def test_figure_3_is_judged_without_the_contenders_that_the_paper_lacks(tmp_path
 
 
 def test_sim_to_sim_is_judged_from_the_first_state(tmp_path):
-    row = {"simulator": "imperfect_b", "horizons_ms": "170-180"}
-    first = {"protocol": "first_state", "difference": 0.2, "ci_low": 0.1, "ci_high": 0.3}
-    later = {"protocol": "re_anchored", "difference": -0.2, "ci_low": -0.3, "ci_high": -0.1}
-    run = write(tmp_path, "sim2sim/difference.csv", [{**row, **later}, {**row, **first}])
-    found = compare(run)
-    gain = found["sim2sim.imperfect_b.170-180"]
-    assert gain.assessment == HOLDS and gain.interval == pytest.approx((20, 10, 30))
+    keys = {"simulator": "imperfect_b", "horizons_ms": "170-180"}
+    later = gain(-0.2, 0.1, **keys, protocol="re_anchored")
+    first = gain(0.2, 0.1, **keys, protocol="first_state")
+    found = compare(write(tmp_path, "sim2sim/difference.csv", [later, first]))
+    more = found["sim2sim.imperfect_b.170-180"]
+    assert more.assessment == HOLDS and more.interval == pytest.approx((20, 10, 30))
     assert found["sim2sim.imperfect_a.170-180"].assessment == NOT_MEASURED
+    with pytest.raises(InputError, match="2 rows"):
+        compare(write(tmp_path, "sim2sim/difference.csv", [first, first]))
 
 
 @pytest.mark.parametrize(("hits", "word"), [(30, LOWER), (41, NOT_DIFFERENT), (56, HIGHER)])
@@ -145,8 +137,7 @@ def test_sim_to_sim_is_judged_from_the_first_state(tmp_path):
 def test_counts_are_compared_as_rates(tmp_path, hits, word, protocol, key):
     row = {
         "set": "stroke_pro", "horizons_ms": "115-125", "predictor": "physics",
-        "protocol": protocol, "balls": 60, "hits": hits, "hit_rate": hits / 60,
-        "hit_rate_low": hits / 60 - 0.1, "hit_rate_high": hits / 60 + 0.1,
+        "protocol": protocol, "balls": 60, "hits": hits, **with_ends(["hit_rate"], hits / 60, 0.1),
     }  # fmt: skip
     found = compare(write(tmp_path, "sim2real/rates.csv", [row]))
     assert found[f"transfer.stroke_pro.115-125.{key}.hits"].assessment == word
@@ -172,19 +163,11 @@ def test_printed_gains_are_the_differences_of_the_printed_counts():
     ("uni", "half", "word"), [(0.3, 0.01, HOLDS), (0.1, 0.01, FAILS), (0.3, 0.2, OPEN)]
 )
 def test_the_largest_gain_is_judged_between_independent_sets(tmp_path, uni, half, word):
-    rows = gains({"stroke_uni": uni, "stroke_pro": 0.2}, half)
+    rows = [gain(uni, half, set="stroke_uni"), gain(0.2, half, set="stroke_pro")]
     found = compare(write(tmp_path, "sim2real/difference.csv", rows))
     more = found["most.stroke_pro.115-125.returns"]
     assert more.assessment == word and more.value == pytest.approx(100 * (uni - 0.2))
     assert found["most.receive.115-125.returns"].assessment == NOT_MEASURED
-
-
-def test_a_table_with_several_rows_for_a_number_is_refused(tmp_path):
-    row = {"simulator": "imperfect_b", "horizons_ms": "170-180", "protocol": "first_state"}
-    row |= {"difference": 0.2, "ci_low": 0.1, "ci_high": 0.3}
-    run = write(tmp_path, "sim2sim/difference.csv", [row, row])
-    with pytest.raises(InputError, match="2 rows"):
-        compare(run)
 
 
 def test_a_number_without_an_interval_has_its_unit(tmp_path):
@@ -194,25 +177,36 @@ def test_a_number_without_an_interval_has_its_unit(tmp_path):
 
 
 def test_a_gain_over_the_first_window_is_paired_by_shot(tmp_path):
-    rows = gains({"stroke_pro": 0.12}, 0.03)
+    rows = [gain(0.12, 0.03, set="stroke_pro")]
     found = compare(write(tmp_path, "sim2real/difference_first_window.csv", rows))
-    gain = found["gain_first_window.stroke_pro.115-125.returns"]
-    assert gain.interval == pytest.approx((12, 9, 15))
+    more = found["gain_first_window.stroke_pro.115-125.returns"]
+    assert more.interval == pytest.approx((12, 9, 15))
 
 
-def test_shot_quality_is_comparable_where_policies_are_asked_for_speed(tmp_path):
-    found = compare(write(tmp_path, "shot_quality/swap.csv", swap(1.25, 0.05)))
-    faster = found["quality.speed.stroke_pro.115-125"]
-    assert faster.value == pytest.approx(25.0) and faster.assessment == NOT_COMPARABLE
-    doubled = found["quality.doubled.stroke_pro"]
-    assert doubled.interval == pytest.approx((1.25, 1.2, 1.3))
-    assert doubled.assessment == NOT_COMPARABLE
-    goals = {"train_policy": {"groups": {"sim2sim": {"goals": {"speed": [4.5, 6.5]}}}}}
-    asked = compare(Reports(tmp_path / "reports", goals))
-    assert asked["quality.speed.stroke_pro.115-125"].assessment == HOLDS
-    assert asked["quality.doubled.stroke_pro"].assessment == FAILS
-    undefined = compare(write(tmp_path, "shot_quality/swap.csv", swap(float("nan"), 0)))
-    assert undefined["quality.doubled.stroke_pro"].assessment == NOT_MEASURED
+ASKED = {"train_policy": {"groups": {"sim2sim": {"goals": {"speed": [4.5, 6.5]}}}}}
+
+
+@pytest.mark.parametrize(
+    ("params", "times", "faster", "doubled"),
+    [
+        ({}, 1.25, NOT_COMPARABLE, NOT_COMPARABLE),
+        (ASKED, 1.25, HOLDS, FAILS),
+        (ASKED, float("nan"), NOT_MEASURED, NOT_MEASURED),
+    ],
+)
+def test_shot_quality_is_comparable_where_policies_are_asked_for_speed(
+    tmp_path, params, times, faster, doubled
+):
+    keys = {"set": "stroke_pro", "horizons_ms": "115-125", "predictor": "transformer"}
+    ratios = with_ends(["speed", "spin", "clearance", "win_probability"], times, 0.05)
+    row = {**keys, "protocol": "every_tick", **ratios}
+    folder = write(tmp_path, "shot_quality/swap.csv", [row]).folder
+    found = compare(Reports(folder, params))
+    speed, winning = found["quality.speed.stroke_pro.115-125"], found["quality.doubled.stroke_pro"]
+    assert (speed.assessment, winning.assessment) == (faster, doubled)
+    if times == 1.25:
+        assert speed.value == pytest.approx(25.0)
+        assert winning.interval == pytest.approx((1.25, 1.2, 1.3))
 
 
 def test_without_reports_only_constants_have_an_assessment(tmp_path):

@@ -1,6 +1,5 @@
 """The page on the paper: complete, and its settings those of the run and of the code."""
 
-import json
 from pathlib import Path
 
 import pytest
@@ -10,10 +9,9 @@ from rallygap.models.predictors.normaliser import INPUTS, OUTPUTS
 from rallygap.models.predictors.protocol import FUTURE, HISTORY, TICK
 from rallygap.models.predictors.transformer import Transformer
 from rallygap.pipeline.experiments.profiles import profile_params
-from rallygap.pipeline.io.artifacts import write_json
+from rallygap.pipeline.io.artifacts import write_json, write_text
 from rallygap.pipeline.paper.assessments import DIFFERS, MEANINGS, NOT_MEASURED
 from rallygap.pipeline.paper.comparison import compare, exhibits, groups
-from rallygap.pipeline.paper.page import paper_page
 from rallygap.pipeline.paper.run_reports import Reports, kept_reports, laptop_reports
 from rallygap.pipeline.paper.values import NOTHING, printed_values
 from rallygap.pipeline.params import read_yaml
@@ -26,15 +24,23 @@ STAGES = set(read_yaml(ROOT / "dvc.yaml")["stages"])
 
 
 def test_every_value_has_its_own_id_and_a_stage_that_exists():
-    files = [file for one in exhibits() if one.claims for file in one.ours.split(", ")]
-    tables = [ROOT / "reports/paper" / file for file in files if file.endswith(".csv")]
-    assert [path.name for path in tables if not path.is_file()] == []
     assert len({value.id for value in VALUES}) == len(VALUES)
     assert {value.stage for value in VALUES} - {""} <= STAGES
     assert {value.group for value in VALUES} == {group.id for group in groups()}
     assert {one.stage for one in exhibits()} <= STAGES
     found = compare(laptop_reports(ROOT)).values()
     assert {one.assessment for one in found} <= set(MEANINGS)
+
+
+def test_the_page_has_the_files_of_every_figure_and_table_with_an_assessment():
+    report = read_yaml(ROOT / "dvc.yaml")["stages"]["report"]
+    outs = [*report["outs"], *report["plots"]]
+    names = [out if isinstance(out, str) else next(iter(out)) for out in outs]
+    made = {name.removeprefix("reports/") for name in names}
+    files = {file for one in exhibits() if one.claims for file in one.ours.split(", ")}
+    assert {file for file in files if not {file, str(Path(file).parent)} & made} <= STAGES
+    tables = [ROOT / "reports/paper" / file for file in files if file.endswith(".csv")]
+    assert [path.name for path in tables if not path.is_file()] == []
 
 
 def test_settings_that_no_parameter_changes_are_those_of_the_network():
@@ -63,7 +69,7 @@ def test_rows_of_the_decoder_are_the_networks(tmp_path, states):
 
 
 def test_a_run_with_other_policies_is_shown_for_policies_only():
-    page = paper_page(ROOT)
+    page = (ROOT / "docs" / "paper.md").read_text("utf-8")  # a test compares it with the code
     shown = {part.splitlines()[0] for part in page.split("## ") if "run shots" in part}
     assert "Figure 5: shot quality" in shown and "The network and its training" not in shown
     figure_3 = next(line for line in page.splitlines() if line.startswith("| Figure 3 |"))
@@ -95,10 +101,9 @@ def test_broken_parameters_of_a_profile_s_run_are_named(tmp_path):
     ],
 )
 def test_a_kept_parameter_of_the_wrong_type_is_named(tmp_path, path, value):
-    kept = tmp_path / "params.json"
     states = {"train_predictor.networks.transformer.states_per_row": 1}
     params = nested({"train_predictor.training.epochs": 80} | states | {path: value})
-    kept.write_text(json.dumps(params))
+    write_json(tmp_path / "params.json", params)
     with pytest.raises(InputError, match=rf"params\.json, params\.yaml: {path}"):
         compare(kept_reports(tmp_path))
 
@@ -112,17 +117,13 @@ def test_a_kept_parameter_of_the_wrong_type_is_named(tmp_path, path, value):
     ],
 )
 def test_a_broken_table_is_named(tmp_path, file, content):
-    path = tmp_path / file
-    path.parent.mkdir()
-    path.write_text(content)
+    write_text(tmp_path / file, content)
     with pytest.raises(InputError, match=rf"{file}: is not a CSV table"):
         compare(Reports(tmp_path, {}))
 
 
 def test_a_table_without_a_column_lacks_its_numbers(tmp_path):
-    path = tmp_path / "segment" / "splits.csv"
-    path.parent.mkdir()
-    path.write_text("source,group,episodes\narena,pro,3\n")
+    write_text(tmp_path / "segment/splits.csv", "source,group,episodes\narena,pro,3\n")
     found = compare(Reports(tmp_path, {}))
     assert found["data.all"].value == 3
     assert found["data.test"].assessment == NOT_MEASURED

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from rallygap.pipeline.evaluation.example_shots import Forecast, Shot, read_shots, write_shots
 from rallygap.pipeline.paper.run_reports import Reports
-from rallygap.pipeline.report.forecast_error import forecast_error_figure
 from rallygap.pipeline.report.page import render_page
 from rallygap.pipeline.transfer.example_returns import (
     Return,
@@ -15,6 +15,7 @@ from rallygap.pipeline.transfer.example_returns import (
     read_returns,
     write_returns,
 )
+from rallygap.pipeline.web.figure_style import FIGURE_WIDTH
 from rallygap.pipeline.web.report_items import (
     ReportAnimation,
     ReportFigure,
@@ -125,7 +126,8 @@ def moving_dot() -> list[np.ndarray]:
 def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/00") -> Items:
     """Fill ``root`` with the reports and artefacts that the page is made of; return the items."""
     reports = root / "reports"
-    figure = forecast_error_figure(forecast_errors(["position"], ["all"]))
+    figure = Figure(figsize=(FIGURE_WIDTH, 1.0))
+    figure.subplots().plot(HORIZONS)
     (reports / "learning_curves").mkdir(parents=True)
     learning_curves().to_csv(reports / "learning_curves" / "errors.csv", index=False)
     contacts = pd.DataFrame({"recording": [title, "tt3d/003"], "speed_change": [12.3456, 0.5]})

@@ -31,6 +31,11 @@ for (let i = 0; i < pixels.length; i += 4) {
 }
 return [...drawn];
 """
+CUT_OFF = """
+return [...document.querySelectorAll(".box, main, body")].filter((box) =>
+  box.scrollWidth > box.clientWidth || box.getBoundingClientRect().right > innerWidth
+  || getComputedStyle(box).maxHeight !== "none").map((box) => box.outerHTML.slice(0, 200));
+"""
 
 
 def open_page(browser, page_file, size, theme="light"):
@@ -92,51 +97,36 @@ def readouts(page, view="shot"):
     return {output.get_attribute("name"): output.text for output in outputs}
 
 
-def set_time(page, milliseconds, view="shot"):
-    script = "arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('input'))"
-    page.execute_script(script, element(page, f"{view}-time"), milliseconds)
-
-
 @pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
-def test_no_console_message_and_no_request_leaves_the_page(browser, page_file, size):
+def test_the_page_is_quiet_and_only_boxes_of_tables_and_figures_scroll_sideways(
+    browser, page_file, size
+):
     open_page(browser, page_file, size)
     element(browser, "shot-play").click()
     time.sleep(0.3)
 
     assert browser.get_log("browser") == []
     assert requests(browser) == [page_file.as_uri()]
+    script = "return [document.documentElement.scrollWidth, window.innerWidth]"
+    page_width, window_width = browser.execute_script(script)
+    box = browser.find_element("css selector", "#ingest .box")
+    assert page_width <= window_width == size[0]
+    assert int(box.get_property("scrollWidth")) > int(box.get_property("clientWidth"))
 
 
-@pytest.fixture
-def run_file():
-    """The page of the last run."""
-    return PAGE if PAGE.exists() else pytest.skip("needs a run: make reproduce")
-
-
-def test_the_pages_of_runs_are_quiet_offline_and_whole(browser, run_file):
-    open_page(browser, run_file, PHONE)
+@pytest.mark.skipif(not PAGE.exists(), reason="needs a run: make reproduce")
+def test_the_pages_of_runs_are_quiet_offline_and_whole(browser):
+    open_page(browser, PAGE, PHONE)
     for button in browser.find_elements("css selector", "button[id$='-play']"):
         button.click()
     time.sleep(0.3)
 
     assert browser.get_log("browser") == []
-    assert requests(browser) == [run_file.as_uri()]
-    assert min(image_widths(browser)) > 0
-
-
-def image_widths(page):
-    return page.execute_script("return [...document.images].map((image) => image.naturalWidth)")
-
-
-@pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
-def test_only_the_boxes_of_tables_and_figures_scroll_sideways(browser, page_file, size):
-    open_page(browser, page_file, size)
-    script = "return [document.documentElement.scrollWidth, window.innerWidth]"
-    page_width, window_width = browser.execute_script(script)
-    box = browser.find_element("css selector", "#ingest .box")
-
-    assert page_width <= window_width == size[0]
-    assert int(box.get_property("scrollWidth")) > int(box.get_property("clientWidth"))
+    assert requests(browser) == [PAGE.as_uri()]
+    widths = "return [...document.images].map((image) => image.naturalWidth)"
+    assert min(browser.execute_script(widths)) > 0
+    open_on_paper(browser, PAGE)
+    assert browser.execute_script(CUT_OFF) == []
 
 
 def test_dark_theme_is_dark(browser, page_file):
@@ -149,42 +139,16 @@ def test_dark_theme_is_dark(browser, page_file):
     assert backgrounds == {"light": "rgb(251, 251, 250)", "dark": "rgb(21, 25, 29)"}
 
 
-def test_paper_has_nothing_to_press_or_to_play(browser, page_file):
+def test_paper_is_white_whole_and_says_what_the_views_show(browser, page_file):
     open_on_paper(browser, page_file)
     for useless in ("nav", ".hint", "button", "input", ".speed", ".animation .moving"):
         assert not any(displayed(browser, useless)), useless
-
-
-def test_paper_has_every_article_and_says_what_the_views_show(browser, page_file):
-    open_on_paper(browser, page_file)
     for shown in ("article", "h1, h2, h3", ".caption, figcaption", ".run:not(.hint)", ".still"):
         assert all(displayed(browser, shown)), shown
     for shown in ("canvas", ".viewer .clock", ".legend output", "select[id$='-picker']"):
         assert all(displayed(browser, shown)), shown
-
-
-def test_paper_cuts_nothing_off(browser, page_file):
-    assert_paper_cuts_nothing_off(browser, page_file)
-
-
-def test_paper_cuts_nothing_off_the_pages_of_runs(browser, run_file):
-    assert_paper_cuts_nothing_off(browser, run_file)
-
-
-def assert_paper_cuts_nothing_off(browser, path):
-    open_on_paper(browser, path)
-    cut_off = """
-return [...document.querySelectorAll(".box, main, body")].filter((box) =>
-  box.scrollWidth > box.clientWidth || box.getBoundingClientRect().right > innerWidth
-  || getComputedStyle(box).maxHeight !== "none").map((box) => box.outerHTML.slice(0, 200));
-"""
-    assert browser.execute_script(cut_off) == []
-
-
-def test_paper_is_white_and_its_views_are_drawn_for_it(browser, page_file):
-    open_on_paper(browser, page_file)
+    assert browser.execute_script(CUT_OFF) == []
     drawn = "return getComputedStyle(document.body)[arguments[0]]"
-
     assert browser.execute_script(drawn, "backgroundColor") == "rgba(0, 0, 0, 0)"
     assert browser.execute_script(drawn, "color") == "rgb(32, 38, 45)"
     light_table = "#dbe6ee"
@@ -201,17 +165,6 @@ def test_animation_moves_until_it_is_stopped(page):
     box.click()
 
     assert still.is_displayed() and not moving.is_displayed()
-
-
-def test_view_draws_table_and_every_forecast(page):
-    drawn = page.execute_script(COLOURS_DRAWN, "shot")
-
-    assert {"#dbe6ee", *map(predictor_colour, OFFSETS)} <= set(drawn)
-
-
-def test_readout_is_the_distance_from_the_measured_ball(page):
-    assert element(page, "shot-clock").text == "+300 ms"
-    assert readouts(page) == {"physics_c": "50 mm", "physics_literature": "80 mm"}
 
 
 def test_play_moves_time_on_and_pause_stops_it(page):
@@ -252,20 +205,24 @@ def test_finger_turns_the_view(browser, page_file):
     assert picture(browser) != before
 
 
-def test_the_arm_and_its_racket_are_drawn_in_returns_alone(page):
+def test_views_draw_the_table_and_every_forecast_and_returns_the_arm_and_its_racket(page):
     arm, racket = "#7a8793", "#b8431a"
-    returns = set(page.execute_script(COLOURS_DRAWN, "return"))
-    shots = set(page.execute_script(COLOURS_DRAWN, "shot"))
+    shots, returns = (set(page.execute_script(COLOURS_DRAWN, view)) for view in ("shot", "return"))
 
-    assert arm in returns and arm not in shots
-    assert racket not in shots
-    assert set(map(predictor_colour, OFFSETS)) <= returns
+    forecasts = set(map(predictor_colour, OFFSETS))
+    assert {"#dbe6ee", *forecasts} <= shots and not {arm, racket} & shots
+    assert {arm, *forecasts} <= returns
 
 
-def test_forecasts_of_returns_are_judged_at_the_horizon_until_the_racket_meets_the_ball(page):
+def test_forecasts_are_judged_by_their_distance_from_the_ball(page):
+    """Those of returns at the policy's horizon, until the racket meets the ball."""
+    errors = {"physics_c": "50 mm", "physics_literature": "80 mm"}
+    assert element(page, "shot-clock").text == "+300 ms"
+    assert readouts(page) == errors
     assert element(page, "return-clock").text == "−120 ms"
-    assert readouts(page, "return") == {"physics_c": "50 mm", "physics_literature": "80 mm"}
+    assert readouts(page, "return") == errors
 
-    set_time(page, -100, "return")
+    script = "arguments[0].value = -100; arguments[0].dispatchEvent(new Event('input'))"
+    page.execute_script(script, element(page, "return-time"))
 
-    assert readouts(page, "return") == {"physics_c": "–", "physics_literature": "–"}
+    assert readouts(page, "return") == dict.fromkeys(errors, "–")

@@ -30,7 +30,7 @@ def test_a_table_has_six_significant_digits(tmp_path):
 def test_the_same_figure_gives_the_same_bytes(tmp_path):
     contents = []
     for _ in range(2):
-        figure = Figure()
+        figure = Figure(figsize=(1, 1))
         figure.subplots().plot([1, 2])
         item = ReportFigure(figure, "line", title="", caption="")
         item.write(tmp_path / item.file)

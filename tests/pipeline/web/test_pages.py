@@ -8,12 +8,12 @@ import pytest
 from PIL import Image
 
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.web.report_items import ReportAnimation
-from rallygap.pipeline.web.report_manifest import (
+from rallygap.pipeline.web.pages import (
     read_columns,
     read_figure,
     read_first_frame,
 )
+from rallygap.pipeline.web.report_items import ReportAnimation
 from tests.pipeline.report.example_reports import moving_dot
 
 

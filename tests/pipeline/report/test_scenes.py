@@ -5,7 +5,7 @@ import pytest
 
 from rallygap.models.robot.constants import BLADE, FOREARM, JOINTS, LOWER, UPPER, UPPER_ARM
 from rallygap.models.robot.kinematics import racket
-from rallygap.pipeline.report.arm import arm_lines
+from rallygap.pipeline.report.scenes import arm_lines
 
 POSES = np.random.default_rng(0).uniform(LOWER, UPPER, size=(20, len(JOINTS)))
 

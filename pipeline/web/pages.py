@@ -1,4 +1,4 @@
-"""Pictures and tables of reports as pages show them."""
+"""Pictures and tables of reports as HTML pages show them."""
 
 import base64
 import csv
@@ -6,12 +6,14 @@ import io
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from PIL import Image
 
 from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.web.report_items import ReportFigure
 
 SHOWN_DIGITS = 4  # of the largest number of a column; the file has them all
 
@@ -44,22 +46,13 @@ def read_first_frame(path: Path) -> str:
         InputError: if the file is missing or is no PNG.
     """
     still = io.BytesIO()
-    read_picture(path).save(still, "PNG")
-    return _data_uri(still.getvalue())
-
-
-def read_picture(path: Path) -> Image.Image:
-    """Return the picture of a PNG file, of an animated one the first.
-
-    Raises:
-        InputError: if the file is missing or is no PNG.
-    """
     try:
         with Image.open(io.BytesIO(_read(path)), formats=["PNG"]) as picture:
             picture.load()
-            return picture
+            picture.save(still, "PNG")
     except (OSError, SyntaxError):
         raise InputError(path, "is not a PNG; run its stage again") from None
+    return _data_uri(still.getvalue())
 
 
 def read_columns(path: Path) -> list[Column]:
@@ -82,21 +75,18 @@ def read_rows(path: Path) -> pd.DataFrame:
     """
     _read(path)
     try:
-        return _table(path)
+        with path.open(encoding="utf-8", newline="") as file:
+            widths = {len(row) for row in csv.reader(file) if row}
+        if len(widths) > 1:  # pandas would take what is too many for an index
+            raise ValueError("rows are longer or shorter than others")
+        table = pd.read_csv(
+            path, dtype_backend="numpy_nullable", keep_default_na=False, na_values=[""]
+        )
+        for name, values in table.select_dtypes("Float64").items():
+            if np.isinf(values.to_numpy(float, na_value=0.0)).any():
+                raise ValueError(f"{name} has a number that is not finite")
     except (ValueError, csv.Error) as error:
         raise InputError(path, f"is not a CSV table: {error}; run its stage again") from None
-
-
-def _table(path: Path) -> pd.DataFrame:
-    with path.open(encoding="utf-8", newline="") as file:
-        widths = {len(row) for row in csv.reader(file) if row}
-    if len(widths) > 1:  # pandas would take what is too many for an index
-        raise ValueError("rows are longer or shorter than others")
-    table = pd.read_csv(path, dtype_backend="numpy_nullable", keep_default_na=False, na_values=[""])
-    endless = np.isinf(table.select_dtypes("Float64").to_numpy(float, na_value=0.0)).any(axis=0)
-    if endless.any():
-        name = table.select_dtypes("Float64").columns[endless][0]
-        raise ValueError(f"{name} has a number that is not finite")
     return table
 
 
@@ -123,3 +113,22 @@ def _cells(values: pd.Series) -> list[str]:
 def _rounded(value: float, decimals: int) -> str:
     """Return a number with so many decimals; one that would vanish keeps two digits."""
     return f"{value:.2g}" if 0 < abs(value) < 0.5 * 10**-decimals else f"{value:.{decimals}f}"
+
+
+def shown_figure(figure: ReportFigure, folder: Path) -> dict[str, str]:
+    """Return a figure that was written to a folder, with the picture inside.
+
+    Raises:
+        InputError: it was not.
+    """
+    source = read_figure(folder / f"{figure.name}.png")
+    return {"title": figure.title, "caption": figure.caption, "source": source}
+
+
+def page_table(columns: dict[str, list[str]]) -> dict[str, Any]:
+    """Return columns as a table; a trailing blank in a name marks numbers."""
+    shown = [
+        Column(name.strip(), is_number=name.endswith(" "), cells=cells)
+        for name, cells in columns.items()
+    ]
+    return {"columns": shown, "rows": range(len(shown[0].cells))}

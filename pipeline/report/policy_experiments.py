@@ -1,4 +1,4 @@
-"""Figures of the study."""
+"""Figures of the experiments on policies: spreads of forecasts, and the predictor swap."""
 
 from collections.abc import Iterator
 
@@ -9,23 +9,43 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Patch, Rectangle
 
-from rallygap.pipeline.report.sample import sample
+from rallygap.pipeline.report.plots import add_legend, ahead, label_rows, percent, sample
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.transfer.returns import PROTOCOLS
-from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, INK, predictor_colour, predictor_order
+from rallygap.pipeline.web.figure_style import (
+    FIGURE_WIDTH,
+    INK,
+    MUTED,
+    predictor_colour,
+    predictor_order,
+)
 from rallygap.pipeline.web.labels import predictor_label
-from rallygap.pipeline.web.report_items import ReportFigure, ReportItem
+from rallygap.pipeline.web.report_items import ReportFigure
 
-MARKERS = {"first_window": "o", "every_tick": "s"}
-APART = 0.16  # of the two readings of a predictor
-ROW, HEADROOM = 0.28, 1.5  # inch a predictor, and for titles and axes
+# What policies learn from and observe: label, marker and colour.
+POLICIES = {
+    "exact": ("learned from exact forecasts", "o", MUTED),
+    "filtered": ("learned from a filter's forecasts", "s", "#0f7fc4"),
+    "filtered_with_spread": ("observes their spread, too", "D", "#d55e00"),
+}
+READINGS = {"first_window": ("o", -0.16), "every_tick": ("s", 0.16)}  # marker, shift in its row
 STEP = 5  # points; the colour scale ends at a multiple
 DARK = 0.6  # share of the scale beyond which text is white
-POLICY = ["observation", "horizons_ms"]
 OBSERVED = {"intercept": "intercept features", "strict": "the paper's inputs"}
 
 
-def items(run: StageRun) -> Iterator[ReportItem]:
+def spread_policies(run: StageRun) -> Iterator[ReportFigure]:
+    """Yield return rates of policies that observe spreads, and of others."""
+    yield ReportFigure(
+        spread_policies_figure(run.published("spread_policies", "rates")),
+        "rates",
+        title="Policies that observe how sure forecasts are",
+        caption="Return rates on the shots of sim2real, with 95 % intervals over trainings and "
+        "recordings.",
+    )
+
+
+def swap_study(run: StageRun) -> Iterator[ReportFigure]:
     """Yield return rates under both readings of Table I, and the gains of the mechanism."""
     yield ReportFigure(
         readings_figure(run.published("swap_study", "readings_all")),
@@ -42,6 +62,34 @@ def items(run: StageRun) -> Iterator[ReportItem]:
     )
 
 
+def spread_policies_figure(table: pd.DataFrame) -> Figure:
+    """Draw return rates with their intervals: a column per set, a row per predictor.
+
+    Args:
+        table: one row per ``set``, ``predictor`` and ``policy``, with ``balls``, ``return_rate``,
+            ``return_rate_low`` and ``return_rate_high``.
+    """
+    sets, predictors = list(table["set"].unique()), list(table["predictor"].unique())
+    figure = Figure(figsize=(FIGURE_WIDTH, 1.4 + 0.22 * len(predictors) * len(POLICIES)))
+    grid = figure.subplots(1, len(sets), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, name in zip(grid, sets, strict=True):
+        members = table[table["set"] == name]
+        for number, (policy, (label, marker, colour)) in enumerate(POLICIES.items()):
+            rows = members[members["policy"] == policy]
+            rate, ends = percent(rows)
+            places = [predictors.index(row) + 0.25 * (number - 1) for row in rows["predictor"]]
+            axes.errorbar(
+                rate, places, xerr=ends, fmt=marker, color=colour,
+                markersize=4, capsize=2, label=label,
+            )  # fmt: skip
+        axes.set_title(f"{name}, n = {members['balls'].iloc[0]}")
+        axes.set_xlabel("return rate (%)")
+        axes.grid(visible=False, axis="y")
+    label_rows(grid[0], [predictor_label(name) for name in predictors])
+    add_legend(figure, grid[0], ncols=3)
+    return figure
+
+
 def readings_figure(rates: pd.DataFrame) -> Figure:
     """Draw return rates of predictors under both readings, a panel an observation and horizons.
 
@@ -50,37 +98,25 @@ def readings_figure(rates: pd.DataFrame) -> Figure:
             ``balls``, ``trainings``, and ``return_rate`` with its interval.
     """
     predictors = sorted(rates["predictor"].unique(), key=predictor_order)
-    panels = [
-        ((str(observation), str(horizons)), rows)
-        for (observation, horizons), rows in rates.groupby(POLICY, sort=False)
-    ]
-    figure = Figure(figsize=(FIGURE_WIDTH, HEADROOM + ROW * len(predictors)))
+    panels = list(rates.groupby(["observation", "horizons_ms"], sort=False))
+    figure = Figure(figsize=(FIGURE_WIDTH, 1.5 + 0.28 * len(predictors)))
     grid = figure.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False)[0]
-    for axes, ((observation, horizons), rows) in zip(grid, panels, strict=True):
-        _draw_readings(axes, rows, predictors)
-        axes.set_title(f"{OBSERVED[observation]},\n{horizons.replace('-', '–')} ms")
-    grid[0].set_yticks(range(len(predictors)), [predictor_label(one) for one in predictors])
-    grid[0].set_ylim(len(predictors) - 0.5, -0.5)
-    handles, labels = grid[0].get_legend_handles_labels()
-    title = f"{sample(rates)}, 95 % intervals"
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, title=title)
+    for axes, ((observation, horizons), members) in zip(grid, panels, strict=True):
+        for protocol, (marker, shift) in READINGS.items():
+            rows = members[members["protocol"] == protocol].set_index("predictor").loc[predictors]
+            rate, ends = percent(rows)
+            for place, name in enumerate(predictors):
+                axes.errorbar(
+                    rate[name], place + shift, xerr=[[end[name]] for end in ends],
+                    fmt=marker, color=predictor_colour(name), markersize=4, capsize=2,
+                )  # fmt: skip
+            axes.plot([], [], marker, color=INK, markersize=4, label=PROTOCOLS[protocol])
+        axes.set_xlabel("returns (%)")
+        axes.grid(visible=False, axis="y")
+        axes.set_title(f"{OBSERVED[str(observation)]},\n{ahead(str(horizons))}")
+    label_rows(grid[0], [predictor_label(name) for name in predictors])
+    add_legend(figure, grid[0], ncols=2, title=f"{sample(rates)}, 95 % intervals")
     return figure
-
-
-def _draw_readings(axes: Axes, rows: pd.DataFrame, predictors: list[str]) -> None:
-    for protocol, label in PROTOCOLS.items():
-        some = rows[rows["protocol"] == protocol].set_index("predictor").loc[predictors]
-        rate = 100 * some["return_rate"]
-        ends = [rate - 100 * some["return_rate_low"], 100 * some["return_rate_high"] - rate]
-        apart = APART if protocol == "every_tick" else -APART
-        for place, name in enumerate(predictors):
-            axes.errorbar(
-                rate[name], place + apart, xerr=[[end[name]] for end in ends],
-                fmt=MARKERS[protocol], color=predictor_colour(name), markersize=4, capsize=2,
-            )  # fmt: skip
-        axes.plot([], [], MARKERS[protocol], color=INK, markersize=4, label=label)
-    axes.set_xlabel("returns (%)")
-    axes.grid(visible=False, axis="y")
 
 
 def mechanism_figure(gains: pd.DataFrame) -> Figure:
@@ -110,7 +146,7 @@ def mechanism_figure(gains: pd.DataFrame) -> Figure:
         labels = f"label error {100 * error:.0f} %" if error else "correct labels"
         axes.set_title(f"{OBSERVED[observation]},\n{labels}", fontsize="medium")
     figure.supxlabel("time between forecasts (ms)", fontsize="medium")
-    label = f"returns minus simulator C's (points), horizons {nearest.replace('-', '–')} ms"
+    label = f"returns minus simulator C's (points), horizons {ahead(nearest)}"
     figure.colorbar(image, ax=grid, label=label)
     frames = [
         Patch(fill=False, linestyle="solid", label="sim2real"),
@@ -125,20 +161,19 @@ def _draw_surface(axes: Axes, cell: pd.DataFrame, largest: float) -> AxesImage:
     times, latencies = list(cell["every_ms"].unique()), list(cell["latency_ms"].unique())
     table = cell.pivot(index="latency_ms", columns="every_ms", values="difference")
     gain = 100 * table.loc[latencies, times].to_numpy()
-    known = cell.pivot(index="latency_ms", columns="every_ms", values="p_holm")
+    p_values = cell.pivot(index="latency_ms", columns="every_ms", values="p_holm")
     image = axes.imshow(
         gain, origin="lower", aspect="auto", cmap="RdBu", vmin=-largest, vmax=largest
     )
     for (y, x), value in np.ndenumerate(gain):
-        sure = known.loc[latencies[y], times[x]] < 0.05
-        weight = "bold" if sure else "normal"
+        weight = "bold" if p_values.loc[latencies[y], times[x]] < 0.05 else "normal"
         colour = "white" if abs(value) > DARK * largest else INK
         axes.text(
             x, y, f"{round(value):+d}", color=colour, weight=weight,
             ha="center", va="center", fontsize=7,
         )  # fmt: skip
-    axes.set_xticks(range(len(times)), [one.replace(" ", "\n") for one in times], fontsize=7)
-    axes.set_yticks(range(len(latencies)), [str(one) for one in latencies], fontsize=7)
+    axes.set_xticks(range(len(times)), [time.replace(" ", "\n") for time in times], fontsize=7)
+    axes.set_yticks(range(len(latencies)), list(map(str, latencies)), fontsize=7)
     axes.grid(visible=False)
     axes.add_patch(Rectangle((-0.5, -0.5), 1, 1, fill=False, linestyle="solid"))
     last = len(times) - 1.5

@@ -1,0 +1,121 @@
+"""Figures and tables of many verdicts, by hand."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from rallygap.pipeline.gap.figures import LINE_NAMES, LINES
+from rallygap.pipeline.report.close_gap import (
+    cause_table,
+    closing_figure,
+    error_table,
+    stability_figure,
+    stability_table,
+    verdict_table,
+)
+from tests.pipeline.verdicts import CAMERA, GAP, GRAVITY, MINOR, MISFIT, WIND, diagnosed, verdict
+
+
+def two_simulators():
+    """Two splits of one, with both causes and with one; one of the other, without errors."""
+    return [
+        diagnosed(verdict(causes=(WIND, GRAVITY, CAMERA, MINOR)), "first_one", 0),
+        diagnosed(verdict(), "first_one", 1),
+        diagnosed(verdict("no_gap", (), gap=None), "other", 0),
+    ]
+
+
+def three_splits():
+    """Splits that find a wind, another wind and a gravity, and nothing."""
+    stronger = WIND.model_copy(update={"estimate": 0.65})
+    found = [verdict(), verdict("ambiguous", (stronger, GRAVITY)), verdict("no_gap", (), gap=None)]
+    return [diagnosed(one, split=split) for split, one in enumerate(found)]
+
+
+def test_errors_have_a_panel_a_simulator_and_a_line_a_split():
+    figure = closing_figure(two_simulators()).figure
+    first, other = figure.axes
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["first one", "other"]
+    assert len(first.lines) == 2 * len(LINES) and not other.lines
+    before = [line for line in first.lines if line.get_label() == LINE_NAMES["before"]]
+    assert [line.get_ydata().tolist() for line in before] == [list(GAP.before_mm)] * 2
+    shown = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert shown == list(LINE_NAMES.values())
+
+
+def test_a_cause_without_a_minimum_detectable_effect_has_no_row():
+    limits = {"gravity.g": 0.05}
+    one = verdict(causes=(WIND, GRAVITY)).model_copy(update={"minimum_detectable": limits})
+    (axes,) = stability_figure([diagnosed(one, "first_one", 0)]).figure.axes
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["gravity.g"]
+
+
+def test_causes_are_drawn_in_minimum_detectable_effects():
+    first, other = stability_figure(two_simulators()).figure.axes
+    assert [text.get_text() for text in first.get_yticklabels()] == ["wind.x", "gravity.g"]
+    marks = [line.get_xydata()[0] for line in first.lines if line.get_marker() == "o"]
+    size = 0.61 / verdict().minimum_detectable["wind.x"]
+    np.testing.assert_allclose([marks[0], marks[2]], [(size, -0.125), (size, 0.125)])
+    assert not [line for line in other.lines if line.get_marker() == "o"]
+
+
+def test_a_case_has_a_row_with_its_causes_as_text():
+    rows = verdict_table(three_splits())
+    assert rows["verdict"].tolist() == ["named", "ambiguous", "no_gap"]
+    assert rows["causes"][0] == "wind.x 0.61 m/s (0.59 to 0.63)"
+    assert "gravity.g or buoyancy.b 10.3 m/s^2 (10.2 to 10.4)" in rows["causes"][1]
+    numbers = ["removable_closed", "reduction_low_mm", "reduction_high_mm", "landing_after_mm"]
+    assert rows.loc[0, numbers].tolist() == [0.9, 12.0, 18.0, 14.0]
+    assert rows["shots"].tolist() == [4, 4, 4]
+    assert rows.loc[2, ["causes", *numbers, "closed_low"]].isna().all()
+
+
+def test_causes_have_their_numbers_role_and_worth():
+    rows = cause_table([diagnosed(verdict(causes=(WIND, CAMERA, MINOR)))]).set_index("cause")
+    assert rows["role"].tolist() == ["leading", "sensor", "minor"]
+    estimate = rows.loc["wind.x", ["nominal", "estimate", "low", "high"]]
+    assert estimate.tolist() == [0.0, 0.61, 0.59, 0.63]
+    worth = rows.loc["wind.x", ["worth_mm", "worth_low", "worth_high"]]
+    assert worth.tolist() == [5.3, 2.8, 7.9]
+    assert pd.isna(rows.loc["spin_decay.c", "worth_mm"])
+    rows = cause_table(three_splits()).set_index(["split", "cause"])
+    assert len(rows) == 3
+    assert rows.loc[(1, "gravity.g"), "possible"] == "gravity.g, buoyancy.b"
+
+
+def test_minor_structure_is_counted_and_no_cause_of_a_case():
+    whole = diagnosed(verdict(causes=(WIND, CAMERA, MINOR), checks=(MISFIT,)))
+    (row,) = verdict_table([whole]).to_dict("records")
+    assert "spin_decay" not in row["causes"] and "camera_distortion" in row["causes"]
+    assert (row["minor"], row["misfits"]) == (1, "prediction")
+    assert stability_table([whole])["cause"].tolist() == ["wind.x"]
+
+
+def test_errors_are_listed_from_100_to_300_ms():
+    farther = GAP.model_copy(update={"horizons_ms": (100, 200, 310)})
+    for gap, listed in ((GAP, [100, 200, 300]), (farther, [100, 200])):
+        rows = error_table([diagnosed(verdict(gap=gap))])
+        assert rows["horizon_ms"].tolist() == listed
+    last = error_table(three_splits()).iloc[-1]
+    assert last[["before_mm", "after_mm", "floor_mm"]].tolist() == [40.0, 12.0, 11.0]
+    ends = last[["before_low", "before_high", "after_low", "after_high"]]
+    assert ends.tolist() == [36.0, 45.0, 10.5, 14.0]
+
+
+def test_stability_counts_the_splits_with_a_cause():
+    none = diagnosed(verdict("no_gap", ()), simulator_name="other")
+    rows = stability_table([*three_splits(), none]).set_index("cause")
+    assert rows["found"].to_dict() == pytest.approx(
+        {"wind.x": 2, "gravity.g": 1, np.nan: np.nan}, nan_ok=True
+    )
+    assert rows["splits"].tolist() == [3, 3, 1]
+    mine = "1 named, 1 ambiguous, 1 no_gap"
+    assert rows["verdicts"].tolist() == [mine, mine, "1 no_gap"]
+    wind = rows.loc["wind.x"]
+    assert wind[["estimate", "lowest", "highest"]].tolist() == pytest.approx([0.63, 0.61, 0.65])
+
+
+def test_without_any_cause_tables_have_their_columns():
+    none = [diagnosed(verdict("no_gap", ()))]
+    assert cause_table(none).empty and "estimate" in cause_table(none)
+    assert stability_table(none)["verdicts"].tolist() == ["1 no_gap"]

@@ -1,0 +1,67 @@
+"""Figures of predictors: their training, their errors, and the coverage of their regions."""
+
+from itertools import product
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from rallygap.pipeline.report.evaluate_predictor import coverage_figure, forecast_error_figure
+from rallygap.pipeline.report.train_predictor import training_figure
+from tests.pipeline.report.example_reports import HORIZONS, forecast_errors
+
+
+def test_every_predictor_has_a_panel_with_both_its_curves():
+    names = {"transformer": "transformer", "transformer_fine_tuned": "transformer, fine-tuned"}
+    losses = np.arange(12.0).reshape(6, 2)
+    curves = pd.DataFrame(losses, columns=["training", "validation"])
+    curves = curves.assign(predictor=np.repeat(list(names), 3), epoch=[1, 2, 3] * 2)
+    figure = training_figure(curves)
+    assert [axes.get_title(loc="left") for axes in figure.axes] == list(names.values())
+    for axes, (_, rows) in zip(figure.axes, curves.groupby("predictor"), strict=True):
+        drawn = {line.get_label(): line.get_ydata().tolist() for line in axes.lines}
+        assert drawn == rows[["training", "validation"]].to_dict("list")
+
+
+def test_lines_are_the_numbers_of_their_row_and_the_band_is_the_interval():
+    frame = forecast_errors()
+    panels = forecast_error_figure(frame).axes[::3]  # of the first quantity, position
+    rows_of = frame.query("predictor == 'physics_c' and quantity == 'position'").groupby("bounce")
+    statistics = [("all", "mean"), ("all", "std"), ("with", "mean"), ("without", "mean")]
+    for axes, (window, number) in zip(panels, statistics, strict=True):
+        drawn = [line.get_ydata() for line in axes.lines if line.get_color() == "#0f7fc4"]
+        np.testing.assert_array_equal(drawn, [rows_of.get_group(window)[number]])
+        assert list(axes.lines[0].get_xdata()) == list(HORIZONS)
+    corners = panels[0].collections[0].get_paths()[0].vertices
+    heights = corners[corners[:, 0] == 300, 1]
+    last = rows_of.get_group("all").iloc[-1]
+    assert (heights.min(), heights.max()) == pytest.approx((last["ci_low"], last["ci_high"]))
+
+
+def test_what_a_set_has_not_gets_no_panel():
+    figure = forecast_error_figure(forecast_errors(["position", "velocity"], ["all", "without"]))
+
+    assert len(figure.axes) == 6
+    assert all(axes.lines for axes in figure.axes)
+
+
+def test_a_quantity_never_measured_in_some_windows_leaves_their_panel_empty():
+    frame = forecast_errors().query("quantity != 'spin' or bounce != 'with'")
+
+    axes = forecast_error_figure(frame).axes[8]  # spin, with a bounce
+
+    assert [text.get_text() for text in axes.texts] == ["n = 0"]
+
+
+@pytest.mark.parametrize(
+    ("predictors", "drawn"),
+    [
+        (["transformer", "physics_c", "tae", "physics_c_with_net"], ["simulator C", "transformer"]),
+        (["tae", "gru_tae"], ["TAE", "GRU-TAE"]),
+    ],
+)
+def test_the_main_predictors_are_drawn_where_a_set_has_them(predictors, drawn):
+    keys = product(predictors, (0.5, 0.9), (100, 125, 130, 150))
+    rows = pd.DataFrame(keys, columns=["predictor", "level", "horizon_ms"])
+    (legend,) = coverage_figure(rows.assign(coverage=0.8, size_mm=20.0)).legends
+    assert [text.get_text() for text in legend.get_texts()] == drawn
