@@ -33,9 +33,7 @@ from rallygap.pipeline.web.labels import PREDICTORS, SIMULATORS
 
 MISSING = "–"
 LABELS = {"predictor": PREDICTORS, "other": PREDICTORS, "simulator": SIMULATORS}  # by column
-IMAGES = "docs/images/"  # copies of figures that git has nowhere else, by stage
 _BLOCK = re.compile(r"(<!-- (table: .*?)-->\n)(.*?)(?=<!-- end -->)", re.DOTALL)
-_IMAGE = re.compile(r"!\[[^]]*\]\((?!https?:)([^)]+)\)")
 
 
 class Query(BaseModel):
@@ -128,28 +126,6 @@ def with_tables(path: Path, root: Path) -> str:
 def pages(root: Path) -> list[Path]:
     """Return README and the pages of the documentation."""
     return [root / "README.md", *sorted((root / "docs").glob("*.md"))]
-
-
-def shown_results(root: Path) -> dict[str, set[str]]:
-    """Return the files under ``reports/`` whose tables and figures pages show, with these pages.
-
-    A figure in ``docs/images/STAGE/`` is a copy of that in ``reports/STAGE/figures/``.
-    """
-    shown: dict[str, set[str]] = {}
-    for page in pages(root):
-        text = page.read_text(encoding="utf-8")
-        files = [
-            f"reports/{yaml.safe_load(query)['table']}" for _, query, _ in _BLOCK.findall(text)
-        ]
-        for link in _IMAGE.findall(text):
-            image = (page.parent / link).resolve().relative_to(root.resolve()).as_posix()
-            stage, _, name = image.removeprefix(IMAGES).rpartition("/")
-            is_copy = image.startswith(IMAGES) and stage
-            files.append(f"reports/{stage}/figures/{name}" if is_copy else image)
-        for file in files:
-            if file.startswith("reports/"):
-                shown.setdefault(file, set()).add(page.relative_to(root).as_posix())
-    return dict(sorted(shown.items()))
 
 
 def _records(content: Any, levels: list[str]) -> Iterator[dict[str, Any]]:

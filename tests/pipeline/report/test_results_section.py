@@ -46,8 +46,7 @@ def run(tmp_path):
     [
         ("swap", "Policies return 40, 50 and 60 % of replayed shots with one forecast"),
         ("swap", "40, 50 and 60 % with a forecast at every control step (95 % intervals: at most"),
-        ("gap", "The prediction error of simulator C on held-out shots"),
-        ("gap", "is 80 mm before and 30 mm after it is amended"),
+        ("gap", "simulator C on held-out shots of the arena, 300 ms ahead, is 80 mm before and 30"),
         ("real", "tt3d 100 to 60 mm"),
         ("exam", "7 of 8 distinguishable hidden effects of three detection limits are named"),
     ],
