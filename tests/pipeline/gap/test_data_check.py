@@ -31,7 +31,7 @@ LARGE = [
     {"table_height": {"h": 0.03}},
 ]
 POSITIONS, SPINS = ["x", "y", "z"], ["wx", "wy", "wz"]
-SHOTS = 12
+SHOTS = 20
 # Right-handed axes with y up, as graphics engines have them: rows are the table's x, y, z.
 GRAPHICS = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
 UPSIDE_DOWN = np.diag([-1, 1, -1])

@@ -84,7 +84,7 @@ def test_a_robot_and_a_viewer_get_forecasts_of_what_a_camera_server_measures():
     )
     assert "num" in json.loads(picture.removeprefix(b"data: "))["forecast"]
     assert live.returncode == 0
-    assert err.count("such messages are left out") == len(err.splitlines()) == 1
+    assert len(err.splitlines()) == err.count("such messages are left out") <= 1
     assert f"The view is at http://127.0.0.1:{port}/" in out and "p99" in out
 
 
