@@ -49,8 +49,11 @@ class Goals:
 
     def __getitem__(self, rows: Rows) -> "Goals":
         """Return the goals of some of the returns."""
-        parts = vars(self).values()
-        return Goals(*(None if part is None else part[rows] for part in parts))
+        return Goals(
+            self.landing[rows],
+            None if self.speed is None else self.speed[rows],
+            None if self.topspin is None else self.topspin[rows],
+        )
 
 
 def draw_goals(settings: GoalSettings, count: int, random: np.random.Generator) -> Goals:

@@ -96,25 +96,29 @@ class ForecastTraining(lightning.LightningModule):
         """Return the loss of this process's share of a batch, and the windows of the whole batch.
 
         Processes average their gradients, so all shares need the same denominator: the mean number
-        of measured values per process. Their average is then the loss of the whole batch. Errors of
-        a hybrid count by Huber's loss (1964): most of what a simulator leaves is small, and few
-        balls that hit the net are far off.
+        of measured values per process. Their average is then the loss of the whole batch.
         """
         history, mask, future, measured = batch
         motion = self.network.baseline(history, mask)
         wanted = self.network.normaliser.deviation(future, motion)
         output = self.network.deviation(history, mask, motion)
-        errors = torch.where(measured, output - wanted, 0.0)
-        squares = errors.square()
-        if self.network.simulator is not None:
-            size = errors.abs()
-            squares = torch.where(size < HUBER, squares, HUBER * (2 * size - HUBER))
+        squares = self._squares(torch.where(measured, output - wanted, 0.0))
         if not torch.distributed.is_initialized():
             return squares.sum() / measured.sum().clamp(min=1), len(history)
         counts = torch.stack([measured.sum(), measured.new_tensor(len(history), dtype=torch.long)])
         torch.distributed.all_reduce(counts)
         mean = counts[0] / torch.distributed.get_world_size()
         return squares.sum() / mean.clamp(min=1), int(counts[1])
+
+    def _squares(self, errors: Tensor) -> Tensor:
+        """Return what errors count: their squares, of a hybrid by Huber's loss (1964).
+
+        Most of what a simulator leaves is small, and few balls that hit the net are far off.
+        """
+        if self.network.simulator is None:
+            return errors.square()
+        size = errors.abs()
+        return torch.where(size < HUBER, errors.square(), HUBER * (2 * size - HUBER))
 
 
 class WindowData(lightning.LightningDataModule):

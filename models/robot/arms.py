@@ -4,11 +4,11 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-import pybullet
 from numpy.typing import ArrayLike
 
 from rallygap.models.ball.state import TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
 from rallygap.models.ball.types import Bools, Floats
+from rallygap.models.robot.bullet import pybullet
 from rallygap.models.robot.constants import (
     BASE,
     BULLET_STEP,

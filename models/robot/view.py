@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-import pybullet
 from numpy.typing import ArrayLike, NDArray
 
 from rallygap.models.ball.state import (
@@ -15,6 +14,7 @@ from rallygap.models.ball.state import (
 )
 from rallygap.models.ball.types import Floats
 from rallygap.models.robot.arms import add_arm, open_world
+from rallygap.models.robot.bullet import pybullet
 from rallygap.models.robot.constants import FLOOR, TABLE_DEPTH
 from rallygap.models.robot.kinematics import rows_of_joints
 

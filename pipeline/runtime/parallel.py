@@ -7,6 +7,7 @@ where tasks run nor on how many run at once: each has one thread, and results ke
 
 import hashlib
 import os
+import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
@@ -59,6 +60,8 @@ def make_missing(tasks: Mapping[Path, Callable[[], None]], description: str) -> 
 
 
 def _on_cores(tasks: Sequence[Callable[[], Result]]) -> Iterator[Result]:
+    # loky says so when it replaces a process whose memory has grown.
+    warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
     # No more processes than tasks, because each takes seconds to start; and without memory maps,
     # which torch warns of because it could not write to them.
     processes = max(1, min(cpu_count(), len(tasks)))
