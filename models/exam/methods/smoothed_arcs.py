@@ -43,7 +43,7 @@ class SmoothedArcs:
     @classmethod
     def of(cls, whole: Shots, simulator: Simulator) -> "SmoothedArcs":
         """Cut shots at the bounces of a simulator's fit; smooth arcs about a fit of each."""
-        shots, *places = _arcs(whole, simulator)
+        shots, parents, starts, ends = _arcs(whole, simulator)
         free = simulator.without_surfaces()
         fit = fit_shots(shots, free, FitSettings())
         prediction = predict_measurements(free, Schedule.of(shots), fit.nuisance)
@@ -56,7 +56,9 @@ class SmoothedArcs:
         )
         return cls(
             shots,
-            *places,
+            parents,
+            starts,
+            ends,
             free,
             fit.nuisance[:, :STATE_SIZE],
             apart / np.maximum(shots.labelled.sum(axis=1), 1)[:, None],
