@@ -1,6 +1,7 @@
 """Checks: noise that is understated is noticed, and few shots are not judged."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,8 +15,13 @@ from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))
 
 
+@cache
+def fitted(noise, count):
+    return fit_nuisance(measured(count=count), NOMINAL, noise, SETTINGS.fit)
+
+
 def found(noise=NOISE, count=20, errors=None):
-    fit = fit_nuisance(measured(count=count), NOMINAL, noise, SETTINGS.fit)
+    fit = fitted(noise, count)
     return {check.name: check for check in checks(fit, fit, errors, SETTINGS)}
 
 
