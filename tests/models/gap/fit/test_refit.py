@@ -11,35 +11,22 @@ from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.inference.score_test import Evidence, familywise_p_values
 from tests.models.gap.hidden import NOMINAL, SETTINGS, listed, measured
 
-# About three times what 100 shots can show.
+# Effects of each kind, about three times what 100 shots can show.
 HIDDEN = {
     ("clock_rate", "d"): 0.026,
-    ("frame_tilt", "x"): 0.004,
-    ("frame_tilt", "y"): 0.004,
     ("lift_saturation", "kappa"): 0.15,
     ("linear_drag", "k1"): 0.046,
     ("position_scale", "s"): 0.024,
     ("side_force", "cy"): 0.005,
     ("slip_dependent_friction", "c"): 0.0095,
     ("speed_dependent_drag", "c"): 0.029,
-    ("speed_dependent_latency", "tau"): 3.5e-4,
     ("speed_dependent_restitution", "c"): 0.05,
-    ("spin_axis_bias", "x"): 0.055,
-    ("spin_axis_bias", "y"): 0.023,
     ("spin_axis_bias", "z"): 0.023,
     ("spin_decay", "c"): 0.0073,
-    ("spin_dependent_drag", "c"): 0.021,
-    ("spin_dependent_restitution", "c"): 0.0147,
-    ("spin_gain", "s"): 0.026,
-    ("table_height", "h"): 0.00114,
     ("table_tilt", "x"): 0.0032,
-    ("table_tilt", "y"): 0.0014,
     ("tangential_elasticity", "et"): 0.27,
-    ("wind", "x"): 0.055,
-    ("wind", "y"): 0.03,
-    ("wind", "z"): 0.17,
 }
-QUICK = [("side_force", "cy"), ("table_tilt", "x"), ("spin_axis_bias", "z")]
+QUICK = [("table_tilt", "x"), ("spin_axis_bias", "z")]
 
 
 def refitted(shots, simulator=NOMINAL):
@@ -78,24 +65,15 @@ def test_wrong_values_come_back_within_their_errors():
         assert abs(off) < 3.5 * test.standard_error[0]
 
 
-def test_values_of_which_shots_say_nothing_stay():
-    found = refitted(measured(count=8, seconds=0.15, labels=None))[0].simulator
-    assert found.effects["table_bounce"] == NOMINAL.effects["table_bounce"]
-    assert found.effects["drag"]["cd"] == pytest.approx(0.5, abs=0.25)
-
-
-def test_a_refit_converges_from_a_start_about_which_nothing_fits():
+def test_a_refit_converges_from_a_start_about_which_nothing_fits_and_keeps_unseen_values():
     start = NOMINAL.amended("gravity", g=2.0).amended("drag", cd=1.4)
     free = (Hypothesis("gravity", "g"), Hypothesis("drag", "cd"))
     found = refit(measured(count=20), start, free, SETTINGS.fit).simulator
     assert found.effects["gravity"]["g"] == pytest.approx(9.81, abs=0.1)
     assert found.effects["drag"]["cd"] == pytest.approx(0.5, abs=0.02)
-
-
-def test_nothing_is_significant_in_a_clean_set():
-    _, evidence = refitted(measured(count=40, seed=6))
-    tests = [evidence.score_test([k], evidence.free) for k in evidence.decidable(evidence.free)]
-    assert familywise_p_values(tests).min() > 0.003
+    unseen = refitted(measured(count=8, seconds=0.15, labels=None))[0].simulator
+    assert unseen.effects["table_bounce"] == NOMINAL.effects["table_bounce"]
+    assert unseen.effects["drag"]["cd"] == pytest.approx(0.5, abs=0.25)
 
 
 def test_shots_are_likelier_about_the_simulator_with_the_hidden_effect():

@@ -9,12 +9,14 @@ TIMES = [np.array([0.0, 0.1, 0.2]), np.array([5.0, 5.1])]
 PLACES = [np.arange(9.0).reshape(3, 3), np.arange(6.0).reshape(2, 3)]
 
 
-def test_padding_repeats_the_last_sample_and_is_not_valid():
-    shots = Shots.from_arrays(TIMES, PLACES)
+def test_padding_repeats_the_last_sample_is_not_valid_and_shots_are_picked_by_mask():
+    shots = Shots.from_arrays(TIMES, PLACES, names=["a", "b"], groups=["x", "y"])
     assert shots.valid.tolist() == [[True, True, True], [True, True, False]]
     assert shots.times[1, 2] == 5.1
     assert shots.positions[1, 2].tolist() == [3.0, 4.0, 5.0]
     assert shots.labels.shape == (2, 0, 3)
+    picked = shots[np.array([False, True])]
+    assert (len(picked), picked.names.tolist(), picked.groups.tolist()) == (1, ["b"], ["y"])
 
 
 def test_a_label_repeated_in_every_row_is_one_measurement():
@@ -31,12 +33,6 @@ def test_rows_without_a_label_are_dropped():
     assert shots.label_times[1, 0] == 5.1
 
 
-def test_shots_are_picked_by_mask():
-    shots = Shots.from_arrays(TIMES, PLACES, names=["a", "b"], groups=["x", "y"])
-    picked = shots[np.array([False, True])]
-    assert (len(picked), picked.names.tolist(), picked.groups.tolist()) == (1, ["b"], ["y"])
-
-
 @pytest.mark.parametrize(
     ("times", "places", "message"),
     [
@@ -47,11 +43,8 @@ def test_shots_are_picked_by_mask():
         ([0.0, 0.01], np.full((2, 3), 1e200), "shot 0 goes beyond 10000 m or 20 s"),
     ],
 )
-def test_implausible_shots_are_refused(times, places, message):
+def test_implausible_shots_and_labels_are_refused(times, places, message):
     with pytest.raises(ValueError, match=message):
         Shots.from_arrays([times], [places])
-
-
-def test_implausible_labels_are_refused():
     with pytest.raises(ValueError, match="a spin label of shot 0 is above 100000 rad/s"):
         Shots.from_arrays([[0.0]], [np.zeros((1, 3))], [np.full((1, 3), 1e6)])

@@ -43,9 +43,8 @@ def test_a_guess_by_which_all_samples_are_outliers_is_corrected():
     shots = measured(count=20)
     fit = fit_shots(shots, NOMINAL, SETTINGS.fit)
     linear = linearise(shots, NOMINAL, fit.nuisance, hypotheses(NOMINAL))
-    known = estimate_noise(
-        linear, Noise(white=1e-5, slow=1e-5), np.zeros_like(fit.weights), SETTINGS.fit
-    )
+    guess, weights = Noise(white=1e-5, slow=1e-5), np.zeros_like(fit.weights)
+    known = estimate_noise(linear, guess, weights, SETTINGS.fit)
     assert known.noise.white == pytest.approx(0.003, rel=0.1)
     assert known.weights[linear.sampled].mean() > 0.9
 

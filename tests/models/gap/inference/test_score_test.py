@@ -123,19 +123,15 @@ def test_residuals_of_shots_of_equal_information_are_distances_from_the_mean():
     assert test.variance == pytest.approx((3 * between + 8 * 4) / 11)
 
 
-def test_an_effect_that_six_of_sixty_shots_show_is_significant():
-    random = np.random.default_rng(4)
-    evidence = with_true_noise(shown_by(drawn(random, shots=60, effect=3.0), range(0, 60, 10)))
+def test_an_effect_that_six_of_sixty_shots_show_is_significant_and_one_outlying_shot_is_not():
+    six = range(0, 60, 10)
+    evidence = with_true_noise(shown_by(drawn(np.random.default_rng(4), 60, effect=3.0), six))
     test = evidence.score_test([2], evidence.free)
     assert 2.5 < test.effective_sample_size < 6.1
     assert familywise_p_values([test])[0] < 1e-4
     assert abs(test.estimate[0] - 3.0) < test.margin[0]
 
-
-def test_one_outlying_shot_is_not_significant():
-    evidence = with_true_noise(
-        shown_by(drawn(np.random.default_rng(5), shots=60), range(0, 60, 10))
-    )
+    evidence = with_true_noise(shown_by(drawn(np.random.default_rng(5), 60), six))
     evidence.scores[10, 2] += 12 * np.sqrt(evidence.information[10, 2, 2])
     test = evidence.score_test([2], evidence.free)
     assert test.gain > 20.0
@@ -150,18 +146,16 @@ def test_margins_have_their_coverage():
     assert 0.88 < np.mean(inside) < 0.99
 
 
-def test_underestimated_noise_makes_no_effects():
-    random = np.random.default_rng(1)
-    least = np.array([least_p_value(drawn(random)) for _ in range(80)])
-    assert np.mean(least < 0.05) < 0.1
-
-
 def test_only_the_true_effect_is_significant_with_its_size():
     evidence = drawn(np.random.default_rng(2), effect=0.7)
     tests = [evidence.score_test([k], evidence.free) for k in (2, 3, 4, 5)]
     assert familywise_p_values(tests)[0] < 1e-3
     assert np.all(familywise_p_values(tests)[1:] > 0.003)
     assert tests[0].estimate[0] == pytest.approx(0.7, abs=6 * tests[0].standard_error[0])
+    # Underestimated noise makes no effects.
+    random = np.random.default_rng(1)
+    least = np.array([least_p_value(drawn(random)) for _ in range(80)])
+    assert np.mean(least < 0.05) < 0.1
 
 
 def test_no_verdict_rests_on_one_shot():

@@ -55,23 +55,16 @@ def test_terms_reproduce_effects(column, terms, factor):
     assert found == pytest.approx(effect, abs=0.03 * np.abs(effect).max())
 
 
-def test_a_kick_upwards_does_what_restitution_does_to_the_height():
+def test_kicks_and_labels_do_what_effects_do():
     effect = LINEAR.positions[..., 2, LINEAR.nuisance_count + 3]
     heights = BASIS.positions[..., 2, :]
     by_speed = TYPICAL_FALL * heights[..., term("n v_n")]
     found = 2.5 * heights[..., term("n")] - by_speed
     assert found == pytest.approx(effect, abs=0.03 * np.abs(by_speed).max())
-
-
-def test_the_gain_of_labels_is_a_term():
-    effect = LINEAR.labels[..., LINEAR.nuisance_count + 5]
-    assert BASIS.labels[..., term("w")] == pytest.approx(effect, abs=1e-6)
-
-
-def test_labels_follow_a_loss_of_spin():
-    effect = LINEAR.labels[..., LINEAR.nuisance_count + 6]
+    gain, decay = (LINEAR.labels[..., LINEAR.nuisance_count + k] for k in (5, 6))
+    assert BASIS.labels[..., term("w")] == pytest.approx(gain, abs=1e-6)
     found = TYPICAL_SPEED * BASIS.labels[..., term("-w (|u|/8)^1")]
-    assert found == pytest.approx(effect, abs=0.03 * np.abs(effect).max())
+    assert found == pytest.approx(decay, abs=0.03 * np.abs(decay).max())
 
 
 def test_effects_lie_in_the_span_of_terms():

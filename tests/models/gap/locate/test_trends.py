@@ -24,14 +24,9 @@ def test_the_true_covariate_comes_first_with_its_means():
     assert most.p_value < 0.001 < min(one.p_value for one in others)
     expected = 0.01 * most.centres
     assert np.all(np.abs(most.means[:, 1] - expected) < 1.5 * most.margins[:, 1])
-
-
-def test_p_values_are_adjusted_for_the_number_of_covariates():
-    smallest = np.array(
-        [trends_against(*drawn(seed), SETTINGS.locate)[0].p_value for seed in range(20)]
-    )
-    assert (smallest < 0.05).sum() <= 4
-    assert 0.3 < smallest.mean() < 0.7
+    # P-values are adjusted for the number of covariates.
+    smallest = [trends_against(*drawn(seed), SETTINGS.locate)[0].p_value for seed in range(12)]
+    assert sum(p_value < 0.05 for p_value in smallest) <= 3
 
 
 def test_means_and_p_value_are_those_of_an_analysis_of_variance():
@@ -49,12 +44,10 @@ def test_means_and_p_value_are_those_of_an_analysis_of_variance():
 
 
 def test_the_share_is_that_of_the_variance_between_bins():
-    values = np.repeat([0.0, 1.0], 50)
-    discrepancies = np.zeros((100, 3))
+    values, discrepancies = np.repeat([0.0, 1.0], 50), np.zeros((100, 3))
     discrepancies[:, 2] = 0.01 * values + np.tile([-0.005, 0.005], 50)
-    found = trends_against(
-        [Axis("side", "", values, ("left", "right"))], discrepancies, SETTINGS.locate
-    )[0]
+    sides = Axis("side", "", values, ("left", "right"))
+    (found,) = trends_against([sides], discrepancies, SETTINGS.locate)
     assert found.share == pytest.approx(0.5, abs=0.01)
     assert found.kinds == ("left", "right")
     np.testing.assert_allclose(found.means[:, 2], [0.0, 0.01], atol=1e-12)

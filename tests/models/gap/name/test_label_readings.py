@@ -50,15 +50,6 @@ def test_outliers_are_neither_used_nor_called_flipped():
     assert np.flatnonzero(~used).tolist() == wrong
 
 
-def test_too_few_flipped_labels_are_not_used():
-    shots = measured(count=6)
-    few = LabelReadings(frozenset({1, 4}), 6, SETTINGS)
-    assert (
-        few.corrected(shots).labelled.any(axis=1).tolist()
-        == few.left_out(shots).labelled.any(axis=1).tolist()
-    )
-
-
 @pytest.mark.parametrize("gain", [0.5, 1.0, 2.0])
 def test_a_wrong_lift_coefficient_does_not_hide_signs(gain):
     """Paths show the product of lift and spin: their spins are too large or too small."""
@@ -72,16 +63,15 @@ def test_a_wrong_lift_coefficient_does_not_hide_signs(gain):
     assert not (readings == OUTLIER).any()
 
 
-def test_the_interval_of_a_share_is_wilsons():
-    signs = LabelReadings(frozenset(range(10)), 100, SETTINGS)
-    assert signs.share == 0.1
-    assert signs.interval == pytest.approx((0.0552, 0.1744), abs=1e-4)
-
-
-def test_doubtful_labels_alone_are_left_out():
-    shots = measured(count=6)
-    left = LabelReadings(frozenset({1, 4}), 6, SETTINGS).left_out(shots)
+def test_doubtful_labels_alone_are_left_out_and_shares_have_wilsons_interval():
+    shots, few = measured(count=6), LabelReadings(frozenset({1, 4}), 6, SETTINGS)
+    left = few.left_out(shots)
     assert left.labelled.any(axis=1).tolist() == [True, False, True, True, False, True]
     kept = [0, 2, 3, 5]
     assert np.array_equal(left.labels[kept], shots.labels[kept], equal_nan=True)
     assert shots.labelled.all(axis=1).any()  # the given shots are unchanged
+    # Too few flipped labels are not used.
+    assert few.corrected(shots).labelled.any(axis=1).tolist() == left.labelled.any(axis=1).tolist()
+    signs = LabelReadings(frozenset(range(10)), 100, SETTINGS)
+    assert signs.share == 0.1
+    assert signs.interval == pytest.approx((0.0552, 0.1744), abs=1e-4)

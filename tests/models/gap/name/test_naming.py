@@ -11,8 +11,10 @@ from rallygap.models.ball.simulators import shipped
 from rallygap.models.gap.diagnose import diagnose
 from rallygap.models.gap.fit.refit import refit
 from rallygap.models.gap.hypotheses import Hypothesis
+from rallygap.models.gap.inference.score_test import Evidence
 from rallygap.models.gap.name import naming
 from rallygap.models.gap.name.label_readings import read_labels
+from rallygap.models.gap.name.missing_lift import lift_test
 from rallygap.models.gap.name.naming import name
 from rallygap.models.gap.name.selection import (
     Explainer,
@@ -21,7 +23,7 @@ from rallygap.models.gap.name.selection import (
     evidence_about,
 )
 from rallygap.models.gap.settings import Question
-from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
+from tests.models.gap.hidden import NOMINAL, SETTINGS, WITHOUT_MAGNUS, listed, measured
 
 SIX = {
     "drag": {"cd": 0.42},
@@ -52,7 +54,8 @@ def test_six_causes_at_ten_times_their_size_are_all_named():
         assert cause.value(found.simulator) == pytest.approx(cause.value(truth), rel=0.15)
 
 
-@pytest.mark.parametrize("labels", ["one", pytest.param("rows", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("labels", ["one", "rows"])
 def test_a_slow_clock_is_neither_gravity_nor_flipped_labels(labels):
     """Gravity and a spin sensor's gain act like such a clock; labels seem to contradict."""
     shots = measured(NOMINAL.amended("clock_rate", d=-0.18), count=24, seed=1, labels=labels)
@@ -105,6 +108,29 @@ def test_labels_that_err_by_most_of_the_spin_are_not_used():
     assert found.readings.useless
     assert not found.fit.linear.labelled.any()
     assert [cause.effect for cause in found.fit.free] == ["drag"]
+
+
+def gravity_off(found):
+    """By how many standard errors gravity differs from the true one."""
+    hypothesis = Hypothesis("gravity", "g")
+    evidence = Evidence.of(found.linear, found.noise_estimate, SETTINGS)
+    test = evidence.score_test([evidence.columns.index(hypothesis)], evidence.free)
+    return abs(hypothesis.value(found.simulator) - 9.81) / test.standard_error[0]
+
+
+@pytest.mark.parametrize("lift", [True, False])
+def test_missing_lift_is_not_named_gravity_without_spin_labels(lift):
+    settings = {"count": 40} if lift else {"simulator": WITHOUT_MAGNUS, "count": 30, "seconds": 0.3}
+    shots = measured(**settings, labels=None)
+    without = refit(shots, WITHOUT_MAGNUS, listed(WITHOUT_MAGNUS), SETTINGS.fit)
+    found = lift_test(shots, without, SETTINGS)
+    if lift:
+        assert found.p_value < 1e-6
+        assert gravity_off(found.with_lift) < 3.5
+        assert found.with_lift.simulator.effects["magnus"]["cm"] == pytest.approx(0.09, abs=0.01)
+    else:  # balls that do not curve need none
+        assert found.p_value > 0.01
+        assert gravity_off(without) < 3.5
 
 
 @pytest.mark.slow

@@ -41,8 +41,37 @@ def effect(**values):
     return [values.get(name, 0.0) for name in ("g", "cd", "x", "y", "z", "b")]
 
 
-def test_a_clean_set_has_no_cause():
-    assert all(best_explanation(explainer(effect(), seed)).causes == () for seed in range(20))
+@pytest.mark.parametrize(
+    ("world", "of_drag", "causes"),
+    [
+        ({}, 0.0, ()),
+        # One cause is preferred to two that explain as much,
+        ({"x": 0.5}, 0.0, (X,)),
+        ({"y": 0.5, "z": 0.5}, 0.0, (X,)),
+        ({"y": 0.5}, 0.0, (Y,)),
+        # a listed parameter to a missing effect that it absorbs,
+        ({"b": 0.5}, 0.0, (G,)),
+        # a missing effect to two listed parameters that absorb it,
+        ({"b": 0.2}, -1.0, (B,)),
+        # and these to a missing effect that explains less.
+        ({"g": 0.4, "cd": 0.3}, -1.0, (G, CD)),
+        ({"cd": -0.3}, -1.0, (CD,)),
+    ],
+)
+def test_the_fewest_causes_that_suffice_are_found(world, of_drag, causes):
+    weighing = explainer(effect(**world), of_drag=of_drag)
+    assert best_explanation(weighing).causes == causes
+    if causes == (G,):
+        assert weighing.absorbed == (B,)
+    if causes == (B,):
+        assert weighing.alternatives(B, (B,)) == (B, G, CD)
+
+
+def test_no_cause_is_found_by_chance_or_by_one_shot():
+    assert all(best_explanation(explainer(effect(), seed)).causes == () for seed in range(15))
+    weighing = explainer(effect())
+    weighing.evidence.scores[7, Y] += 120.0
+    assert best_explanation(weighing).causes == ()
 
 
 def test_two_causes_are_found_with_their_sizes():
@@ -52,30 +81,6 @@ def test_two_causes_are_found_with_their_sizes():
     assert max(found.p_values.values()) < LEVEL
     _, estimates = weighing.set_scores.gains(np.array([found.causes]))
     assert estimates[0] == pytest.approx([-0.3, 0.4], abs=0.15)
-
-
-def test_one_cause_is_preferred_to_two_that_explain_as_much():
-    assert best_explanation(explainer(effect(x=0.5))).causes == (X,)
-    assert best_explanation(explainer(effect(y=0.5, z=0.5))).causes == (X,)
-    assert best_explanation(explainer(effect(y=0.5))).causes == (Y,)
-
-
-def test_a_listed_parameter_is_preferred_to_a_missing_effect_that_it_absorbs():
-    weighing = explainer(effect(b=0.5))
-    assert best_explanation(weighing).causes == (G,)
-    assert weighing.absorbed == (B,)
-
-
-def test_a_missing_effect_is_preferred_to_two_listed_parameters_that_absorb_it():
-    weighing = explainer(effect(b=0.2), of_drag=-1.0)
-    assert best_explanation(weighing).causes == (B,)
-    assert weighing.alternatives(B, (B,)) == (B, G, CD)
-
-
-def test_two_listed_parameters_are_preferred_to_a_missing_effect_that_explains_less():
-    weighing = explainer(effect(g=0.4, cd=0.3), of_drag=-1.0)
-    assert best_explanation(weighing).causes == (G, CD)
-    assert best_explanation(explainer(effect(cd=-0.3), of_drag=-1.0)).causes == (CD,)
 
 
 def test_alternatives_explain_as_much_in_the_place_of_a_cause():
@@ -107,12 +112,6 @@ def test_a_known_cause_that_the_shots_see_nothing_of_is_not_significant():
     assert blind.evidence.score_test([Z], [Y]).estimate == 0.0
 
 
-def test_no_cause_rests_on_one_shot():
-    weighing = explainer(effect())
-    weighing.evidence.scores[7, Y] += 120.0
-    assert best_explanation(weighing).causes == ()
-
-
 def random_world(causes, columns=40, shots=60, seed=0):
     """A world of numbers that look somewhat alike, ``causes`` of which are 10 errors off."""
     random = np.random.default_rng(seed)
@@ -130,7 +129,7 @@ def random_world(causes, columns=40, shots=60, seed=0):
     return Explainer(evidence, NOMINAL)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_twenty_causes_are_all_found_and_no_other(seed):
     causes = tuple(range(1, 40, 2))
     weighing = random_world(causes, seed=seed)

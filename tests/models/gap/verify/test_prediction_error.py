@@ -1,16 +1,24 @@
-"""Prediction errors before and after, against a floor that correct simulators reach."""
+"""Prediction errors before and after, their floor and intervals, and landings."""
 
 import numpy as np
 import pytest
 
+from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.fit.horizons import first_samples
 from rallygap.models.gap.fit.noise import Noise
 from rallygap.models.gap.fit.refit import fit_nuisance
+from rallygap.models.gap.verify.bootstrap import interval, resampled, root_mean_squares
+from rallygap.models.gap.verify.landing import landings
 from rallygap.models.gap.verify.prediction_error import Errors, HeldOut, gap
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))
 WRONG = NOMINAL.amended("drag", cd=0.2)
+FALLING = Simulator.from_dict(
+    {"gravity": {"g": 9.81}, "table_bounce": {"restitution": 0.9, "friction": 0.2}}
+)
+DROPPED = np.array([[0.1, 0.5, 0.52, 0.2, -1.0, 0.0, 0.0, 0.0, 0.0]])
+FALL = np.sqrt(2 * 0.5 / 9.81)  # s
 
 
 def made_up():
@@ -94,3 +102,37 @@ def test_intervals_hold_the_errors():
         assert 5.0 <= low < result.before_mm[0] < high <= 5.0 * np.sqrt(1.5)
     assert result.after_interval_mm == ((3.0, 3.0), (3.0, 3.0))
     assert result.reduction_mm[0] >= 2.0
+
+
+def test_a_ball_without_air_lands_where_the_closed_form_says_if_in_time():
+    found = landings(FALLING, DROPPED, np.array([1.0]))
+    np.testing.assert_allclose(found.times, [FALL], rtol=1e-9)
+    np.testing.assert_allclose(found.places, [[0.1 + 0.2 * FALL, 0.5 - FALL]], rtol=1e-9)
+    found = landings(FALLING, np.repeat(DROPPED, 2, axis=0), np.array([FALL / 2, 1.0]))
+    assert np.isnan(found.times).tolist() == [True, False]
+
+
+def test_landings_have_the_errors_of_the_sensor():
+    sensor = FALLING.amended("clock_rate", d=0.01).amended("position_scale", s=0.02)
+    found = landings(sensor.amended("time_offset", tau=0.004), DROPPED, np.array([1.0]))
+    np.testing.assert_allclose(found.times, [1.01 * (FALL + 0.004)], rtol=1e-9)
+    np.testing.assert_allclose(found.places, [[1.02 * (0.1 + 0.2 * FALL), 1.02 * (0.5 - FALL)]])
+    speed = np.linalg.norm([0.2, -1.0, 9.81 * FALL])
+    with_speed = FALLING.amended("speed_dependent_latency", tau=0.001)
+    found = landings(with_speed, DROPPED, np.array([1.0]))
+    np.testing.assert_allclose(found.times, [FALL + 0.001 * speed], rtol=1e-9)
+
+
+def test_draws_scatter_about_the_measured_errors_and_are_paired():
+    # Errors before, after and at the floor, which shots share.
+    common = np.random.default_rng(0).chisquare(2, (1, 60, 2))
+    squares = common * np.array([9.0, 4.0, 1.0])[:, None, None]
+    sizes, drawn = root_mean_squares(squares), resampled(squares, SETTINGS.verify.bootstrap_draws)
+    assert drawn.mean(axis=0) == pytest.approx(sizes, rel=0.02)
+    low, high = interval(drawn[:, 0, 0], 0.95)
+    assert low < sizes[0, 0] < high
+    assert drawn[:, 0] / drawn[:, 1] == pytest.approx(np.full((2000, 2), 1.5))
+    squares[:, ::2, 1] = np.nan
+    drawn = resampled(squares, SETTINGS.verify.bootstrap_draws)
+    assert np.isfinite(drawn).all()
+    assert drawn[:, :, 1].mean(axis=0) == pytest.approx(root_mean_squares(squares)[:, 1], rel=0.05)

@@ -27,16 +27,8 @@ def errors(noise, count=200):
 
 
 def test_replicates_without_noise_are_simulated_shots():
-    still = Noise(
-        white=0.0,
-        slow=0.0,
-        label=0.0,
-        label_arc=0.0,
-        label_common=0.0,
-        scatter=(0.0, 0.0, 0.0),
-        timing=0.0,
-    )
-    again, off, turned = errors(still, count=5)
+    still = dict.fromkeys(("white", "slow", "label", "label_arc", "label_common", "timing"), 0.0)
+    again, off, turned = errors(replace(EVEN, **still), count=5)
     assert np.abs(off).max() < 1e-12
     assert np.abs(turned[again.labelled]).max() < 1e-12
     assert np.isnan(again.labels[~again.labelled]).all()
@@ -59,7 +51,7 @@ def test_errors_of_time_stamps_are_along_the_velocity():
     assert np.abs(across).max() < 1e-6
 
 
-def test_labels_have_independent_and_common_errors():
+def test_labels_have_independent_and_common_errors_and_those_of_their_arc():
     again, _, turned = errors(EVEN)
     rows = zip(turned, again.labelled, strict=True)
     means = np.stack([row[there].mean(axis=0) for row, there in rows])
@@ -67,19 +59,17 @@ def test_labels_have_independent_and_common_errors():
     apart = (turned - means[:, None])[again.labelled]
     assert apart.std() == pytest.approx(NOISE.label, rel=0.05)
 
-
-def test_labels_have_errors_of_their_arc():
     shots, _, turned = errors(replace(EVEN, label=1e-9, label_common=1e-9, label_arc=0.05))
-    arcs = predict_measurements(NOMINAL, Schedule.of(shots), STATES).arcs(
-        shots.label_times - shots.times[:, :1]
-    )
+    since = shots.label_times - shots.times[:, :1]
+    arcs = predict_measurements(NOMINAL, Schedule.of(shots), STATES).arcs(since)
     for arc in range(2):
         inside = (arcs == arc) & shots.labelled
-        count = inside.sum(axis=1)[:, None]
-        sums = np.where(inside[..., None], turned, 0.0).sum(axis=1)
-        means = sums / np.maximum(count, 1)
-        assert means[count[:, 0] > 0].std() == pytest.approx(0.05, rel=0.2)
-        assert np.abs(turned - means[:, None])[inside].max() < 1e-6
+        count = inside.sum(axis=1)
+        means = np.where(inside[..., None], turned, 0.0).sum(axis=1)[count > 0]
+        means = means / count[count > 0, None]
+        assert means.std() == pytest.approx(0.05, rel=0.2)
+        apart = np.abs(turned[count > 0] - means[:, None])
+        assert apart[inside[count > 0]].max() < 1e-6
 
 
 def test_bounces_scatter():
