@@ -174,7 +174,7 @@ def profile(
     name: Annotated[str, typer.Argument(help="a file of the folder experiments/profiles")],
 ) -> None:
     """Print a profile as flags, for `dvc exp run $(rallygap profile smoke)`."""
-    from rallygap.pipeline.experiments.profiles import profile_flags
+    from rallygap.pipeline.profiles import profile_flags
 
     typer.echo(" ".join(profile_flags(clone(), name)))
 

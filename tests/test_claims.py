@@ -6,8 +6,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from experiments.arena_scores import found_by_size, ratios, scored
 from rallygap.models.ball import state
-from rallygap.pipeline.experiments.arena_scores import found_by_size, ratios, scored
 from rallygap.pipeline.io.artifacts import read_json
 
 REPORTS = Path(__file__).parents[1] / "reports"

@@ -10,8 +10,9 @@ from pathlib import Path
 import grimp
 import pytest
 
+from experiments.stages.report_experiments import EXPERIMENTS
 from rallygap.pipeline.params import Params, read_yaml
-from rallygap.pipeline.report.stages import EXPERIMENTS, PIPELINE
+from rallygap.pipeline.report.stages import PIPELINE
 
 ROOT = Path(__file__).parents[1]
 STAGES = read_yaml(ROOT / "dvc.yaml")["stages"]
@@ -20,6 +21,7 @@ ALL = STAGES | LONG
 REPORTS = {"report", "report_experiments"}
 # What every stage runs in but what does not shape results.
 NO_RESULTS = ("rallygap.pipeline.params", "rallygap.pipeline.runtime", "rallygap.pipeline.tracking")
+CODE = ("experiments", "models", "pipeline")
 PRESENTATION = {"pipeline/report", "pipeline/web", "docs"}
 
 
@@ -38,12 +40,16 @@ def covers(path, file):
 
 @cache
 def import_graph():
-    return grimp.build_graph("rallygap")
+    return grimp.build_graph("experiments", "rallygap")
+
+
+def module_of(stage):
+    return f"{'rallygap' if stage in STAGES else 'experiments'}.stages.{stage}"
 
 
 def imported_files(stage):
     """The modules that a stage imports, directly or not, as paths; a package is all its modules."""
-    graph, reached, todo = import_graph(), set(), [f"rallygap.stages.{stage}"]
+    graph, reached, todo = import_graph(), set(), [module_of(stage)]
     while todo:
         module = todo.pop()
         if module in reached or module.startswith(NO_RESULTS):
@@ -51,27 +57,27 @@ def imported_files(stage):
         reached.add(module)
         todo += graph.find_modules_directly_imported_by(module)
         todo += graph.find_children(module)
-    names = ("/".join(module.split(".")[1:]) for module in reached)
+    names = (module.removeprefix("rallygap.").replace(".", "/") for module in reached)
     return {f"{name}.py" for name in names if (ROOT / f"{name}.py").is_file()}
 
 
 def test_a_stage_has_one_name_for_script_parameters_and_report():
-    scripts = {path.stem for path in (ROOT / "stages").glob("*.py")} - {"__init__"}
-    own = {name for name, stage in ALL.items() if "rallygap.stages" in str(stage["cmd"])}
-    assert scripts == own
-    assert set(ALL) - own == {"benchmarks", "reliability", "sweep"}
+    folders = (ROOT / "stages", ROOT / "experiments" / "stages")
+    scripts = {path.stem for folder in folders for path in folder.glob("*.py")} - {"__init__"}
+    assert set(ALL) - scripts == {"benchmarks", "reliability", "sweep"}
     assert set(STAGES) == (set(Params.model_fields) - {"seed", "exam"})
     assert set(PIPELINE) == set(STAGES) - REPORTS
     assert set(EXPERIMENTS) <= set(LONG)
-    for name in own:
-        assert ALL[name]["cmd"].startswith(f"python -m rallygap.stages.{name}")
+    for name in scripts:
+        assert ALL[name]["cmd"].startswith(f"python -m {module_of(name)}")
 
 
 @pytest.mark.parametrize("name", sorted(set(PIPELINE) | set(EXPERIMENTS) | REPORTS))
 def test_a_stage_depends_on_what_it_imports(name):
-    code = [path for path in paths(ALL[name]["deps"]) if path.startswith(("models", "pipeline"))]
-    imported = {file for file in imported_files(name) if file.startswith(("models", "pipeline"))}
-    assert f"stages/{name}.py" in ALL[name]["deps"]
+    script = module_of(name).removeprefix("rallygap.").replace(".", "/") + ".py"
+    code = [path for path in paths(ALL[name]["deps"]) if path.startswith(CODE)]
+    imported = {file for file in imported_files(name) if file.startswith(CODE)} - {script}
+    assert script in ALL[name]["deps"]
     assert sorted(file for file in imported if not any(covers(path, file) for path in code)) == []
     assert [path for path in code if not any(covers(path, file) for file in imported)] == []
 

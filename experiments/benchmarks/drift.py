@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from experiments.benchmarks.comparison import ROOT
-from rallygap.models.exam.design.detection_limits import DetectionLimits
-from rallygap.models.exam.design.question import seed_of
-from rallygap.models.exam.interface import shots_of
-from rallygap.models.exam.simulate.recordings import simulate_trial
-from rallygap.models.exam.simulate.trial import Trial
+from experiments.exam.design.detection_limits import DetectionLimits
+from experiments.exam.design.question import seed_of
+from experiments.exam.interface import shots_of
+from experiments.exam.simulate.recordings import simulate_trial
+from experiments.exam.simulate.trial import Trial
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.live.drift import REFERENCE, DriftMonitor
 from rallygap.pipeline.io.artifacts import write_json

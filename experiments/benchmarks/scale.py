@@ -21,11 +21,11 @@ from joblib.externals.loky import get_reusable_executor
 
 from experiments.benchmarks.comparison import write_measured
 from experiments.benchmarks.policy_training import LEARNING, PARAMS, SEED, TASK
+from experiments.exam.design.question import Question
+from experiments.exam.methods.registry import METHODS, RALLYGAP
+from experiments.exam.runner import run_question
+from experiments.exam.simulate.trial import Trial
 from rallygap.models.ball.catalogue import catalogue
-from rallygap.models.exam.design.question import Question
-from rallygap.models.exam.methods.registry import METHODS, RALLYGAP
-from rallygap.models.exam.runner import run_question
-from rallygap.models.exam.simulate.trial import Trial
 from rallygap.models.policy.learning import learn_iteration
 from rallygap.models.predictors.learned import build_network
 from rallygap.models.predictors.training import ForecastTraining, WindowData

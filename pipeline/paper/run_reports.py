@@ -101,5 +101,7 @@ def kept_reports(folder: Path) -> Reports:
     path = folder / PARAMS
     params = read_json(path)
     if not isinstance(params, dict):
-        raise InputError(path, "holds no parameters; run `python -m rallygap.stages.profile` again")
+        raise InputError(
+            path, "holds no parameters; run `python -m experiments.stages.profile` again"
+        )
     return Reports(folder, dict(with_current_keys(params)), path)

@@ -6,10 +6,7 @@ from functools import partial
 from rallygap.pipeline.report import (
     close_gap,
     evaluate_predictor,
-    exam,
-    forecast_experiments,
     ingest,
-    policy_experiments,
     retrain_policy,
     segment,
     shot_quality,
@@ -37,33 +34,25 @@ PIPELINE: Reports = {
     "shot_quality": shot_quality.items,
     "retrain_policy": retrain_policy.items,
 }
-EXPERIMENTS: Reports = {
-    "exam": exam.items,
-    "arenas": forecast_experiments.arenas,
-    "learning_curves": forecast_experiments.learning_curves,
-    "real_forecasts": forecast_experiments.real_forecasts,
-    "swap_study": policy_experiments.swap_study,
-    "spread_policies": policy_experiments.spread_policies,
-    "paper_network": forecast_experiments.paper_network,
-}
 
 
-def write_reports(run: StageRun, stages: Iterable[str]) -> dict[str, list[Written]]:
+def write_reports(run: StageRun, reports: Reports) -> dict[str, list[Written]]:
     """Write the tables and figures of stages, in parallel; return them by stage.
 
     Raises:
         InputError: a stage has not run, or a file of it is broken.
     """
-    names = list(stages)
-    tasks = [partial(write_report, run, stage) for stage in names]
-    return dict(zip(names, parallel(tasks, "tables and figures"), strict=True))
+    tasks = [partial(write_report, run, *report) for report in reports.items()]
+    return dict(zip(reports, parallel(tasks, "tables and figures"), strict=True))
 
 
-def write_report(run: StageRun, stage: str) -> list[Written]:
+def write_report(
+    run: StageRun, stage: str, items: Callable[[StageRun], Iterable[ReportItem]]
+) -> list[Written]:
     """Write the tables and figures of a stage."""
     apply_style()
     written = []
-    for item in (PIPELINE | EXPERIMENTS)[stage](run):
+    for item in items(run):
         item.write(run.root / "reports" / stage / item.file)
         written.append(Written(item.kind, item.file, item.title, item.caption))
     return written

@@ -28,7 +28,7 @@ Result = TypeVar("Result")
 
 CLUSTER = "RALLYGAP_CLUSTER"
 PATIENCE = 30  # s, that a cluster may take to answer
-CODE = ("models", "pipeline", "stages")
+CODE = ("experiments", "models", "pipeline", "stages")
 
 
 def parallel(

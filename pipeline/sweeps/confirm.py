@@ -7,10 +7,10 @@ import shutil
 import pandas as pd
 from rich.table import Table
 
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.io.artifacts import write_csv, write_json
 from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.params import Params, as_json, check_params, read_yaml, with_current_keys
+from rallygap.pipeline.profiles import merged
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.provenance import short
 from rallygap.pipeline.sweeps.comparison import SEEDS

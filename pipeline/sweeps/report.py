@@ -10,10 +10,10 @@ from matplotlib.ticker import MaxNLocator
 from optuna.importance import PedAnovaImportanceEvaluator, get_param_importances
 from optuna.trial import TrialState
 
-from rallygap.pipeline.experiments.profiles import flags, merged
 from rallygap.pipeline.io.artifacts import write_csv, write_json, write_text
 from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.profiles import flags, merged
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sweeps.settings import Sweep, nested
 from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, MUTED, apply_style, save_figure

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Discriminator, Field, Tag, TypeAdapter, ValidationError, model_validator
 
 from rallygap.models.policy.settings import HorizonsMs
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.io.metrics import place, rounded
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import (
@@ -23,6 +22,7 @@ from rallygap.pipeline.params import (
     load_params,
     read_yaml,
 )
+from rallygap.pipeline.profiles import merged
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.provenance import provenance, short
 

@@ -15,8 +15,8 @@ from typing import Any
 import psutil
 import yaml
 
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.profiles import merged
 from tests.clone import ROOT, cloned
 from tests.clone import environment as clone_environment
 

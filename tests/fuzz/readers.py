@@ -10,12 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from experiments.exam.record_file import read_records, write_records
 from rallygap.models.policy.observation import observation_size
 from rallygap.pipeline.benchmark.forecasts import read_forecasts
 from rallygap.pipeline.benchmark.windows import run_sets, window_table
 from rallygap.pipeline.evaluation.example_shots import read_shots
-from rallygap.pipeline.exam.records import read_records, write_records
-from rallygap.pipeline.experiments.profiles import profile_flags
 from rallygap.pipeline.io.artifacts import read_as, write_json
 from rallygap.pipeline.io.episodes import read_episodes
 from rallygap.pipeline.io.ground_truth import read_contacts, read_truth
@@ -27,6 +26,7 @@ from rallygap.pipeline.paper.run_reports import kept_reports
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.policies.storage import load_policy
 from rallygap.pipeline.predictors.storage import load_predictor
+from rallygap.pipeline.profiles import profile_flags
 from rallygap.pipeline.runtime.provenance import provenance, short
 from rallygap.pipeline.runtime.scratch import kept_timings
 from rallygap.pipeline.sweeps.confirm import compared_params
@@ -34,8 +34,8 @@ from rallygap.pipeline.sweeps.report import BEST
 from rallygap.pipeline.sweeps.settings import Sweep
 from rallygap.pipeline.transfer.truth_comparison import NamedCauses
 from rallygap.pipeline.web.pages import read_columns
+from tests.experiments.exam.example_records import answer, hidden, named, record
 from tests.fuzz import hostile
-from tests.models.exam.example_records import answer, hidden, named, record
 from tests.models.predictors.balls import observed
 from tests.pipeline.benchmark.forecasting import ZeroPredictor, forecasts_of
 from tests.pipeline.measured_shots import params, source_record, write_inputs, write_trained

@@ -3,8 +3,8 @@
 import pytest
 import yaml
 
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.profiles import merged
 from tests.clone import cloned, commit, run
 
 TARGET, CHANGED = "train_predictor", "segment.outlier_cost"

@@ -2,9 +2,9 @@
 
 import pandas as pd
 
+from experiments.exam.simulate.recordings import simulate_trial
+from experiments.exam.simulate.trial import Trial
 from rallygap.models.ball.simulators import shipped
-from rallygap.models.exam.simulate.recordings import simulate_trial
-from rallygap.models.exam.simulate.trial import Trial
 
 NOMINAL = "literature"
 

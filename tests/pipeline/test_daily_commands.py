@@ -11,8 +11,8 @@ from types import SimpleNamespace
 import pytest
 import yaml
 
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.profiles import merged
 from tests.clone import ROOT, cloned, commit, environment, run
 from tests.services import await_answer, free_port
 

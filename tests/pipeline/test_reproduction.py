@@ -15,9 +15,9 @@ import pytest
 import yaml
 
 from rallygap.models.predictors.protocol import History
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.predictors.storage import load_predictor
+from rallygap.pipeline.profiles import merged
 from tests.clone import cloned, rallygap, run
 from tests.pipeline.runs import runs, store
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rallygap.models.exam.interface import rounded
+from experiments.exam.interface import rounded
 from tests.clone import ROOT, environment
 
 pytestmark = pytest.mark.slow

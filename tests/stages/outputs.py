@@ -2,12 +2,12 @@
 
 import pandas as pd
 
-from rallygap.pipeline.report.stages import write_report
+from rallygap.pipeline.report.stages import PIPELINE, write_report
 
 
 def items(run):
     """What the stage ``report`` writes of a stage: kinds, files, titles and captions."""
-    return write_report(run, run.stage)
+    return write_report(run, run.stage, PIPELINE[run.stage])
 
 
 def table(run, name, *keys):

@@ -16,5 +16,5 @@ REPOSITORY = Path(__file__).parents[2]
 def test_a_stage_that_has_not_run_is_one_error(tmp_path, stage):
     run = StageRun("report", tmp_path, load_params(REPOSITORY / "params.yaml"))
     with pytest.raises(InputError, match="run"):
-        write_report(run, stage)
+        write_report(run, stage, PIPELINE[stage])
     assert list(tmp_path.rglob("*.*")) == []

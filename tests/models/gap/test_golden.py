@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from experiments.exam.design.detection_limits import DetectionLimits
+from experiments.exam.design.questions import exam
+from experiments.exam.interface import rounded, shots_of
+from experiments.exam.simulate.recordings import simulate_trial
 from rallygap.models.ball.simulators import shipped
-from rallygap.models.exam.design.detection_limits import DetectionLimits
-from rallygap.models.exam.design.questions import exam
-from rallygap.models.exam.interface import rounded, shots_of
-from rallygap.models.exam.simulate.recordings import simulate_trial
 from rallygap.models.gap.diagnose import diagnose
 
 GOLDEN = Path(__file__).with_name("golden.json")

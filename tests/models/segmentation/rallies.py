@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from experiments.exam.simulate.independent_ball import IndependentBall
+from experiments.exam.simulate.laws import physics_of
 from rallygap.models.ball.simulators import shipped
-from rallygap.models.exam.simulate.independent_ball import IndependentBall
-from rallygap.models.exam.simulate.laws import physics_of
 from rallygap.models.segmentation.scoring import observable
 from rallygap.models.segmentation.settings import ScoringSettings
 

@@ -18,7 +18,7 @@ from rallygap.pipeline.benchmark.scores import score, score_tables, write_scores
 from rallygap.pipeline.benchmark.windows import export_windows, run_sets, window_table
 from rallygap.pipeline.cli import app
 from rallygap.pipeline.evaluation.predictors import read_predictors
-from rallygap.pipeline.report.stages import write_report
+from rallygap.pipeline.report.stages import PIPELINE, write_report
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.evaluate_predictor import evaluate_predictor
@@ -60,7 +60,7 @@ def test_scores_equal_evaluate_predictor_where_a_flight_has_one_window(tmp_path)
     one_window = params(evaluate_predictor=settings)
     run = StageRun("evaluate_predictor", tmp_path, one_window)
     evaluate_predictor(run)
-    write_report(run, "evaluate_predictor")
+    write_report(run, "evaluate_predictor", PIPELINE["evaluate_predictor"])
     path = tmp_path / "mine.parquet"
     table = window_table(run_sets(tmp_path, one_window))
     forecasts_of(ZeroPredictor(), table).to_parquet(path, index=False)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
-from rallygap.models.exam.simulate.trial import CAMERAS
+from experiments.exam.simulate.trial import CAMERAS
 from rallygap.pipeline.gap.measured_shots import LabelCounts, read_shots
 from rallygap.pipeline.gap.summary import episodes_text, labels_text
 from rallygap.pipeline.runtime.errors import InputError

@@ -8,13 +8,13 @@ from rallygap.models.predictors.errors import HORIZONS_MS
 from rallygap.models.predictors.normaliser import INPUTS, OUTPUTS
 from rallygap.models.predictors.protocol import FUTURE, HISTORY, TICK
 from rallygap.models.predictors.transformer import Transformer
-from rallygap.pipeline.experiments.profiles import profile_params
 from rallygap.pipeline.io.artifacts import write_json, write_text
 from rallygap.pipeline.paper.assessments import DIFFERS, MEANINGS, NOT_MEASURED
 from rallygap.pipeline.paper.comparison import compare, exhibits, groups
 from rallygap.pipeline.paper.run_reports import Reports, kept_reports, laptop_reports
 from rallygap.pipeline.paper.values import NOTHING, printed_values
 from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.profiles import profile_params
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sweeps.settings import nested
 

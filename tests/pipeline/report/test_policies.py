@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from rallygap.pipeline.report.plots import physics_colour
-from rallygap.pipeline.report.policy_experiments import (
+from experiments.report.policies import (
     POLICIES,
     mechanism_figure,
     readings_figure,
     spread_policies_figure,
 )
+from rallygap.pipeline.report.plots import physics_colour
 from rallygap.pipeline.report.retrain_policy import retraining_figure
 from rallygap.pipeline.report.shot_quality import HATCH, calibration_figure, medians_figure
 from rallygap.pipeline.report.sim2real import (

@@ -8,9 +8,9 @@ import optuna
 import pandas as pd
 import pytest
 
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.params import check_params, read_yaml
+from rallygap.pipeline.profiles import merged
 from rallygap.pipeline.sweeps import report
 from rallygap.pipeline.sweeps import study as trials
 from rallygap.pipeline.sweeps.report import sweep_figure, write_report

@@ -12,11 +12,11 @@ from ruamel.yaml import YAML
 from typer.testing import CliRunner
 
 from rallygap.pipeline.cli import app
-from rallygap.pipeline.experiments.profiles import merged
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.policies import training as policy_training
 from rallygap.pipeline.policies.training import TrainingJob, train_policies
+from rallygap.pipeline.profiles import merged
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sweeps.comparison import comparison
 from rallygap.pipeline.sweeps.confirm import compared_params, run_confirm

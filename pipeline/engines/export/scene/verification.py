@@ -7,6 +7,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
+from rallygap.models.arena.launches import launches
 from rallygap.models.ball.contact_laws import TABLE
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.simulators import shipped
@@ -15,7 +16,6 @@ from rallygap.models.ball.types import Floats
 from rallygap.models.engines.engine import EffectsEngine, Engine, EngineError
 from rallygap.models.engines.mujoco.contact import table_contact
 from rallygap.models.engines.mujoco.scene import MujocoScene
-from rallygap.models.exam.simulate.launches import launches
 from rallygap.pipeline.web.numbers import number
 
 SHOTS = 200

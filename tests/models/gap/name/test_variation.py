@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rallygap.models.exam.interface import shots_of
-from rallygap.models.exam.simulate.recordings import simulate_trial
-from rallygap.models.exam.simulate.trial import Trial, Variation
+from experiments.exam.interface import shots_of
+from experiments.exam.simulate.recordings import simulate_trial
+from experiments.exam.simulate.trial import Trial, Variation
 from rallygap.models.gap.fit.shots import Shots
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.name.naming import name

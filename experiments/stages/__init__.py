@@ -1,0 +1,1 @@
+"""Scripts of the stages of experiments/dvc.yaml."""

@@ -1,1 +1,0 @@
-"""The exam on files: its runs, records, tables and figures."""

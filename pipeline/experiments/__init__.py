@@ -1,1 +1,0 @@
-"""DVC experiments: profiles, results that are kept, and repairs of the cache."""

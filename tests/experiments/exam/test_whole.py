@@ -1,0 +1,140 @@
+"""Runs of questions resume, and the whole exam leaves records and costs."""
+
+import json
+import shutil
+from collections import Counter
+from pathlib import Path
+
+import joblib
+import numpy as np
+import pytest
+
+import experiments.exam_sample
+import experiments.stages.exam
+from experiments.exam.design.question import Question, seed_of
+from experiments.exam.design.questions import exam
+from experiments.exam.interface import Answer
+from experiments.exam.methods.registry import METHODS, RALLYGAP
+from experiments.exam.record_file import RECORDS, read_records
+from experiments.exam.simulate.trial import Trial
+from experiments.exam.whole import assignments, run_questions
+from experiments.exam_sample import run_sample
+from experiments.stages.exam import verdict_costs
+from rallygap.pipeline.io.simulators import load_simulator
+from rallygap.pipeline.params import load_params
+from rallygap.pipeline.runtime.errors import InputError
+from rallygap.pipeline.runtime.stage_run import StageRun
+from tests.experiments.exam.example_records import record
+from tests.experiments.exam.example_trials import NOMINAL
+
+REPOSITORY = Path(__file__).parents[3]
+NAMES = ["clean/0", "clean/1", "clean/2"]
+
+
+def params(**changes):
+    repository = load_params(REPOSITORY / "params.yaml")
+    settings = repository.exam.model_copy(update=changes)
+    return repository.model_copy(update={"exam": settings})
+
+
+class Counting:
+    """A method that counts its calls, and is killed after some."""
+
+    def __init__(self, killed_after=1000):
+        self.calls, self.killed_after = 0, killed_after
+
+    def __call__(self, recordings, nominal, withheld):
+        if self.calls == self.killed_after:
+            raise KeyboardInterrupt
+        self.calls += 1
+        return Answer("no_gap", (), nominal)
+
+
+def asked(method):
+    trials = [Trial(name, NOMINAL, shots=3, seed=1003) for name in NAMES]
+    return [(Question("clean", trial), {RALLYGAP: method}) for trial in trials]
+
+
+@pytest.fixture(autouse=True)
+def _one_process():
+    with joblib.parallel_config(backend="sequential"):
+        yield
+
+
+def test_rallygap_answers_every_question_and_the_others_one_in_so_many():
+    settings = params()
+    chosen = settings.exam
+    assigned, next_edition = assignments(settings), assignments(params(edition=chosen.edition + 1))
+    seed = seed_of(settings.seed, f"edition {chosen.edition}")
+    assert [question for question, _ in assigned] == exam(load_simulator(chosen.simulator), seed)
+    assert all(RALLYGAP in methods for _, methods in assigned)
+    share = np.mean([methods == METHODS for _, methods in assigned])
+    assert share == pytest.approx(1 / chosen.other_methods_every, rel=0.15)
+    # Every edition asks its own questions of the same kinds.
+    first, second = ([question for question, _ in asked] for asked in (assigned, next_edition))
+    assert not {one.trial.seed for one in first} & {one.trial.seed for one in second}
+    assert Counter(one.group for one in first) == Counter(one.group for one in second)
+
+
+def test_a_damaged_file_of_a_killed_run_is_named(tmp_path):
+    run_questions(asked(Counting()), tmp_path)
+    (tmp_path / "clean.1.json").write_text("{}")
+
+    with pytest.raises(InputError, match=r"clean\.1\.json"):
+        run_questions(asked(Counting()), tmp_path)
+
+
+@pytest.fixture
+def root(tmp_path):
+    """A repository with parameters alone."""
+    shutil.copy(REPOSITORY / "params.yaml", tmp_path)
+    return tmp_path
+
+
+def run_with(method, root, monkeypatch):
+    """Run an exam of three questions; return how many of them a method is asked."""
+    monkeypatch.setattr(experiments.stages.exam, "assignments", lambda _: asked(method))
+    experiments.stages.exam.exam(StageRun("exam", root, params()))
+    return method.calls
+
+
+def test_a_stopped_exam_continues_and_leaves_records_and_costs(root, monkeypatch):
+    with pytest.raises(KeyboardInterrupt):
+        run_with(Counting(killed_after=2), root, monkeypatch)
+    assert not (root / RECORDS).exists()
+
+    assert run_with(Counting(), root, monkeypatch) == 1
+    records = read_records(root / RECORDS)
+    assert [record.name for record in records] == NAMES
+    assert all(record.seconds.keys() == {RALLYGAP} for record in records)
+    assert RALLYGAP in (root / "reports/exam/costs.csv").read_text()
+    assert json.loads((root / "reports/exam/metrics.json").read_text())["false_alarm_rate"] == 0
+
+
+def test_costs_are_cpu_seconds_by_method_and_shots():
+    seconds = [(10, 1.0), (100, 4.0), (100, 6.0)]
+    table = verdict_costs([record(shots=shots, seconds={RALLYGAP: s}) for shots, s in seconds])
+
+    rows = table.set_index("shots")
+    assert rows["verdicts"].to_dict() == {10: 1, 100: 2}
+    assert rows["cpu_s_median"].to_dict() == {10: 1.0, 100: 5.0}
+    assert rows["cpu_s_total"].to_dict() == {10: 1.0, 100: 10.0}
+
+
+def test_a_sample_is_some_questions_of_some_groups(root, monkeypatch):
+    def run(assignments, folder):
+        return [record(name=question.trial.name) for question, _ in assignments]
+
+    def sampled(groups, every):
+        run_sample(root, root / "sample.jsonl", groups, every)
+        return [one.name for one in read_records(root / "sample.jsonl")]
+
+    monkeypatch.setattr(experiments.exam_sample, "run_questions", run)
+    known = [question.trial.name for question, _ in assignments(params())]
+    names = sampled(["distortion", "several"], 6)
+    assert names == [one for one in known if one.startswith(("distortion", "several"))][::6]
+    assert len(names) == 20
+    assert not (root / RECORDS).exists()
+    assert sampled([], 100) == known[::100]
+    with pytest.raises(InputError, match="there is no group 'tilt'; groups: sweep"):
+        sampled(["tilt"], 1)
