@@ -5,6 +5,8 @@ The peers simulate the same physics and the same shots: a simulation vectorised 
 tolerance of 1e-12, from which the errors of both are measured.
 """
 
+from typing import Any
+
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -109,11 +111,15 @@ def with_scipy(state: np.ndarray) -> np.ndarray:
     def touch(_time: float, s: np.ndarray) -> float:
         return s[2] - BALL_RADIUS
 
-    touch.terminal, touch.direction = True, -1
-    states, ahead, now = [], TIMES, 0.0
+    event: Any = touch
+    event.terminal, event.direction = True, -1
+    states: list[np.ndarray] = []
+    ahead, now = TIMES, 0.0
     while len(ahead):
         span = (now, ahead[-1])
-        found = solve_ivp(slope, span, state, "DOP853", ahead, events=touch, rtol=1e-12, atol=1e-12)
+        found: Any = solve_ivp(
+            slope, span, state, "DOP853", ahead, events=event, rtol=1e-12, atol=1e-12
+        )
         states.extend(found.y.T)
         if found.status == 0:
             break

@@ -64,7 +64,7 @@ def rate(work: Callable[[], int]) -> float:
     return max(rates)
 
 
-def report(benchmark: str, comparisons: Sequence[Comparison], **details: float) -> None:
+def report(benchmark: str, comparisons: Sequence[Comparison], **details: Any) -> None:
     """Print comparisons and details, and write them into the committed report."""
     reports = read_json(REPORT) if REPORT.is_file() else {}
     rows, numbers = [_rounded(asdict(one)) for one in comparisons], _rounded(details)

@@ -25,7 +25,7 @@ from experiments.exam.simulate.recordings import MARGIN, SealedTruth, simulate_t
 from experiments.exam.simulate.scattered_shots import scattered_shots
 from experiments.exam.simulate.trial import Trial
 from rallygap.models.arena.bounce_scatter import BounceScatter
-from rallygap.models.arena.launches import launches
+from rallygap.models.audit.launches import launches
 from rallygap.models.ball.sensor import measured
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.types import Floats

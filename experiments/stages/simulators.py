@@ -24,7 +24,7 @@ from experiments.simulators import (
     larger_spins,
     scenes,
 )
-from rallygap.models.arena.launches import launches
+from rallygap.models.audit.launches import launches
 from rallygap.models.audit.traps import traps
 from rallygap.models.ball.state import POSITION
 from rallygap.models.ball.types import Floats

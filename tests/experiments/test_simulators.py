@@ -4,7 +4,7 @@ import joblib
 import numpy as np
 import pytest
 
-from rallygap.models.arena.launches import launches
+from rallygap.models.audit.launches import launches
 from rallygap.pipeline.runtime.stage_run import StageRun
 
 pytest.importorskip("mujoco")

@@ -16,7 +16,7 @@ from experiments.exam.projection import projected_out
 from experiments.exam.simulate.independent_ball import IndependentBall
 from experiments.exam.simulate.laws import FORMS, Physics, physics_of
 from experiments.exam.simulate.trial import Trial
-from rallygap.models.arena.launches import Launches
+from rallygap.models.audit.launches import Launches
 from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import POSITION, SPIN, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH

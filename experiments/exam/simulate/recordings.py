@@ -18,7 +18,7 @@ from experiments.exam.simulate.scattered_shots import (
     scattered_shots,
 )
 from experiments.exam.simulate.trial import Trial
-from rallygap.models.arena.launches import Launches, launches
+from rallygap.models.audit.launches import Launches, launches
 from rallygap.models.ball.sensor import measured
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import POSITION, SPIN, STATE_SIZE

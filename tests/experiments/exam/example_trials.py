@@ -9,7 +9,7 @@ from experiments.exam.simulate.recordings import simulate_trial
 from experiments.exam.simulate.trial import CAMERAS, Trial
 from rallygap.models.arena.bounce_scatter import BounceScatter
 from rallygap.models.arena.cameras import SlowError
-from rallygap.models.arena.launches import launches
+from rallygap.models.audit.launches import launches
 from rallygap.models.ball.simulators import shipped
 
 NOMINAL = shipped("literature")

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from rallygap.models.arena.launches import launches
+from rallygap.models.audit.launches import launches
 from rallygap.models.ball.contact_laws import TABLE
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.simulators import shipped
