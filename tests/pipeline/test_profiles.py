@@ -13,7 +13,7 @@ from rallygap.pipeline.params import load_params, read_yaml
 from rallygap.pipeline.profiles import flags, merged, profile_flags
 from rallygap.pipeline.runtime.errors import InputError
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 
 
 def overridden(path, words):
