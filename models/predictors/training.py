@@ -81,7 +81,8 @@ class ForecastTraining(lightning.LightningModule):
     def on_train_epoch_end(self) -> None:
         """Append the epoch to the curve."""
         self.seconds += time.monotonic() - self._since
-        losses = {name: float(loss) for name, loss in self.trainer.callback_metrics.items()}
+        known = self.trainer.callback_metrics
+        losses = {name: float(known[name]) for name in ("validation", "training")}
         self.curve.append({"epoch": self.current_epoch + 1, **losses})
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:

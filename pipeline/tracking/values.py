@@ -63,11 +63,12 @@ def flat_metrics(metrics: dict[str, Any]) -> dict[int, dict[str, float]]:
 
 
 def reported_metrics() -> dict[str, float]:
-    """The metrics of all stages in the working directory, each named after its stage.
+    """The metrics of all stages of ./dvc.yaml, each named after its stage; not of experiments.
 
     DVC may have taken a stage from its cache, so that it has no run of its own.
     """
-    paths = sorted(Path("reports").glob("*/metrics.json"))
-    metrics = {path.parent.name: read_json(path) for path in paths}
+    stages = sorted(read_yaml(Path("dvc.yaml"))["stages"])
+    files = {stage: Path("reports") / stage / "metrics.json" for stage in stages}
+    metrics = {stage: read_json(file) for stage, file in files.items() if file.exists()}
     named = {"/".join(keys): value for keys, value in flat(metrics)}
     return {name: value for name, value in named.items() if isinstance(value, int | float)}

@@ -35,6 +35,7 @@ def new_store(tmp_path, monkeypatch):
     home = tmp_path / "a repository"
     home.mkdir()
     monkeypatch.chdir(tmp_path)
+    Path("dvc.yaml").write_text("stages: {ingest: {}, segment: {}}\n")
     monkeypatch.setenv("DVC_ROOT", str(home))
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
