@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from experiments.exam.record_file import write_records
+from experiments.exam.records import write_records
 from experiments.exam.whole import assignments, run_questions
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.runtime.console import refuse

@@ -1,4 +1,4 @@
-"""Speed and error of the ball simulator, compared with numpy and scipy (`make bench`).
+"""Speed and error of the ball simulator, compared with numpy and scipy.
 
 The peers simulate the same physics and the same shots: a simulation vectorised over shots in numpy
 (the same Runge-Kutta step, contacts located inside a step), and scipy's DOP853 with events at a

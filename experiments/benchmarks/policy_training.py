@@ -1,4 +1,4 @@
-"""Speed of policy training, compared with Stable-Baselines3's defaults (`make bench`).
+"""Speed of policy training, compared with Stable-Baselines3's defaults.
 
 Defaults: `SAC("MlpPolicy", environment)` with one environment. rallygap: the settings of
 params.yaml. Task, shots and machine are the same.

@@ -4,13 +4,19 @@ The scoring path writes them after all methods have answered. All rates, tables 
 exam follow from them.
 """
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationError
 
 from experiments.exam.interface import NamedCause, Number, Record
 from experiments.exam.simulate.trial import Dynamics, SpinLabels
 from rallygap.models.gap.verdict import Answer as Conclusion
+from rallygap.pipeline.io.artifacts import write_text
+from rallygap.pipeline.runtime.errors import InputError
+
+RECORDS = Path("reports") / "exam" / "records.jsonl"  # of the whole exam, in the repository
 
 
 class HiddenCause(Record):
@@ -58,3 +64,37 @@ class ExamRecord(Record):
     gap_before_mm: Number | None = None
     answers: dict[str, AnswerRecord] = Field(default={})  # by method
     seconds: dict[str, Number] = Field(default={})  # CPU time of each method
+
+
+def write_records(path: Path, records: Sequence[ExamRecord]) -> None:
+    """Write records, one a line."""
+    lines = (record.model_dump_json(exclude_defaults=True) for record in records)
+    write_text(path, "".join(f"{line}\n" for line in lines))
+
+
+def read_records(path: Path) -> list[ExamRecord]:
+    """Read records that ``write_records`` wrote.
+
+    Raises:
+        InputError: there is no such file, it is empty, or a line of it is not a record.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except FileNotFoundError:
+        raise InputError(
+            path, "there is no such file; run `python -m experiments.stages.exam`"
+        ) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(path, f"cannot be read as text: {error}") from None
+    if not lines:
+        raise InputError(path, "has no record; run `python -m experiments.stages.exam`")
+    records = []
+    for row, line in enumerate(lines, start=1):
+        try:
+            records.append(ExamRecord.model_validate_json(line))
+        except ValidationError as error:
+            first = error.errors()[0]
+            field = ".".join(str(part) for part in first["loc"]) or None
+            problem = f"{first['msg']}; run `python -m experiments.stages.exam`"
+            raise InputError(path, problem, row=row, field=field) from None
+    return records

@@ -14,8 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.exam.design.questions import BASE, SWEEPS
-from experiments.exam.record_file import RECORDS, read_records
-from experiments.exam.records import AnswerRecord, ExamRecord
+from experiments.exam.records import RECORDS, AnswerRecord, ExamRecord, read_records
 from experiments.exam.scoring.rates import (
     MARKS,
     answered,

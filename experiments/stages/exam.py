@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from experiments.exam.methods.registry import RALLYGAP
-from experiments.exam.record_file import RECORDS, write_records
-from experiments.exam.records import ExamRecord
+from experiments.exam.records import RECORDS, ExamRecord, write_records
 from experiments.exam.scoring.rates import rates
 from experiments.exam.whole import assignments, run_questions
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.exam.record_file import read_records, write_records
+from experiments.exam.records import read_records, write_records
 from rallygap.models.policy.observation import observation_size
 from rallygap.pipeline.benchmark.forecasts import read_forecasts
 from rallygap.pipeline.benchmark.windows import run_sets, window_table

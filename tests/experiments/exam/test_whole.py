@@ -15,7 +15,7 @@ from experiments.exam.design.question import Question, seed_of
 from experiments.exam.design.questions import exam
 from experiments.exam.interface import Answer
 from experiments.exam.methods.registry import METHODS, RALLYGAP
-from experiments.exam.record_file import RECORDS, read_records
+from experiments.exam.records import RECORDS, read_records
 from experiments.exam.simulate.trial import Trial
 from experiments.exam.whole import assignments, run_questions
 from experiments.exam_sample import run_sample

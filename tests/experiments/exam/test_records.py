@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from experiments.exam.record_file import RECORDS, read_records, write_records
+from experiments.exam.records import RECORDS, read_records, write_records
 from experiments.exam.scoring.rates import rates
 from experiments.report.answers import methods_of
 from rallygap.pipeline.runtime.errors import InputError
