@@ -18,7 +18,7 @@ export PYTHONDONTWRITEBYTECODE :=
 PIP := .venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce experiments test test-naming test-all faults lint audit pictures docs ui
+.PHONY: help reproduce experiments test test-naming test-all lint audit pictures docs ui
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  \1\t/' | expand -t 18
@@ -54,11 +54,8 @@ test: .venv/ready ## the quick tests, in parallel on all cores
 test-naming: .venv/ready ## minutes: the slow tests of naming causes
 	@pytest -m slow --numprocesses logical --dist loadfile tests/models/gap
 
-test-all: .venv/ready ## all tests but the fault injection, the slow ones included
-	@pytest -m 'not faults'
-
-faults: .venv/ready ## an hour, as root: damage files, kill every stage, fill disks; write reports/reliability
-	@pytest -m faults -v --tables
+test-all: .venv/ready ## all tests, the slow ones included
+	@pytest -m ''
 
 lint: .venv/ready ## style, types, import contracts
 	ruff check .

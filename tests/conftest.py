@@ -13,7 +13,6 @@ hypothesis.settings.load_profile("rallygap")
 pytest_plugins = [
     "tests.browser",
     "tests.pipeline.example_experiments",
-    "tests.reliability",
     "tests.services",
 ]
 
@@ -28,9 +27,8 @@ def real_data() -> Path:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Let `make pictures` and `make faults` keep what tests photograph and count."""
+    """Let `make pictures` keep what tests photograph."""
     parser.addoption("--pictures", metavar="FOLDER", help="where pictures of pages are kept")
-    parser.addoption("--tables", action="store_true", help="write reports/reliability")
 
 
 @pytest.fixture(scope="session")

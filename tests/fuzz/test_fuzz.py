@@ -2,7 +2,6 @@
 
 import pickle
 
-import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -10,12 +9,10 @@ from hypothesis import strategies as st
 from rallygap.pipeline.params import Params, check_params, read_yaml
 from rallygap.pipeline.runtime.errors import InputError
 from tests.fuzz.hostile import Trap
-from tests.fuzz.readers import READERS, Reader
-from tests.fuzz.trial import counted, inputs, outcome, tried
-from tests.reliability import REPORT, ROOT
+from tests.fuzz.readers import READERS, ROOT, Reader
+from tests.fuzz.trial import inputs, outcome, tried
 
-EACH = 240  # inputs a reader
-SAMPLE = 10  # mutations a reader, beside every hostile file
+SAMPLE = 40  # mutations a reader, beside every hostile file
 
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
@@ -34,24 +31,6 @@ def faults(found):
 @pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
 def test_no_hostile_file_and_no_mutation_of_a_sample_is_a_fault(reader):
     assert faults(tried(reader, 1 + len(reader.hostile) + SAMPLE)) == []
-
-
-@pytest.mark.faults
-@pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
-def test_no_mutation_is_a_fault(reader, tables):
-    found = list(tried(reader, EACH))
-    tables.add("fuzz", [counted(reader.name, (ended for ended, *_ in found))])
-    assert faults(found) == []
-
-
-def test_the_committed_counts_are_of_these_readers_and_without_a_fault():
-    table = pd.read_csv(REPORT / "fuzz.csv")
-    assert set(table["reader"]) == {reader.name for reader in READERS}
-    assert (table["inputs"] == EACH).all()
-    assert table["inputs"].sum() >= 5000
-    assert (table[["refused", "in_part", "accepted"]].sum(axis=1) == table["inputs"]).all()
-    assert (table["faults"] == 0).all()
-    assert (table["refused"] > 0).all()
 
 
 @pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)

@@ -4,10 +4,8 @@ import faulthandler
 import resource
 import signal
 import tempfile
-from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -66,25 +64,6 @@ def outcome(reader: Reader, folder: Path, path: Path) -> tuple[Outcome, str]:
     if taken > LARGEST:
         return "fault", f"took {taken // 1000} MB"
     return ("fault", "ran code") if SENTINEL.exists() else error_text
-
-
-@dataclass(frozen=True)
-class Counts:
-    """How often each outcome of a reader came; ``in_part``: rows were refused, and counted."""
-
-    reader: str
-    inputs: int
-    refused: int
-    in_part: int
-    accepted: int
-    faults: int
-
-
-def counted(reader: str, outcomes: Iterable[Outcome]) -> Counts:
-    """Count outcomes."""
-    found = Counter(outcomes)
-    kinds: tuple[Outcome, ...] = ("refused", "in_part", "accepted", "fault")
-    return Counts(reader, found.total(), *(found[kind] for kind in kinds))
 
 
 def _judged(message: str, folder: Path, path: Path) -> tuple[Outcome, str]:

@@ -3,9 +3,9 @@
 import pytest
 import yaml
 
+from experiments.clone import cloned, commit, run
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.profiles import merged
-from tests.clone import cloned, commit, run
 
 TARGET, CHANGED = "train_predictor", "segment.outlier_cost"
 

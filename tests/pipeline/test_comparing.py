@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from tests.clone import run
+from experiments.clone import run
 from tests.pipeline.example_experiments import CHANGED, TARGET
 from tests.pipeline.runs import runs
 

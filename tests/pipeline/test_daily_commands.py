@@ -11,9 +11,9 @@ from types import SimpleNamespace
 import pytest
 import yaml
 
+from experiments.clone import ROOT, cloned, commit, environment, run
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.profiles import merged
-from tests.clone import ROOT, cloned, commit, environment, run
 from tests.services import await_answer, free_port
 
 pytestmark = pytest.mark.slow

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 import yaml
 
+from experiments.clone import cloned, rallygap, run
 from rallygap.models.predictors.protocol import History
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.predictors.storage import load_predictor
 from rallygap.pipeline.profiles import merged
-from tests.clone import cloned, rallygap, run
 from tests.pipeline.runs import runs, store
 
 pytestmark = pytest.mark.slow

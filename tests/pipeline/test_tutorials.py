@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from experiments.clone import ROOT, environment
 from experiments.exam.interface import rounded
-from tests.clone import ROOT, environment
 
 pytestmark = pytest.mark.slow
 

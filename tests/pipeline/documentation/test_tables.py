@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from experiments.clone import run
 from rallygap.pipeline.documentation.__main__ import PAGES, written_pages
 from rallygap.pipeline.documentation.tables import pages, with_tables
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.runtime.errors import InputError
-from tests.clone import run
 
 ROOT = Path(__file__).parents[3]
 ERRORS = """predictor,horizon_ms,mean,low,high

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import psutil
 
-from tests.faults.disks import full_disk, read_only_disk
-from tests.faults.repository import (
+from experiments.reliability.disks import full_disk, read_only_disk
+from experiments.reliability.repository import (
     Ended,
     Repository,
     awaited_stage,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import psutil
 
-from tests.faults.repository import Repository, awaited_stage, stages
+from experiments.reliability.repository import Repository, awaited_stage, stages
 
 SEED = 7
 IN_ALL = 50  # kills that must hit, at least

@@ -15,10 +15,9 @@ from typing import Any
 import psutil
 import yaml
 
+from experiments.clone import ROOT, cloned, environment
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.profiles import merged
-from tests.clone import ROOT, cloned
-from tests.clone import environment as clone_environment
 
 PROFILE = ROOT / "experiments" / "profiles" / "smoke.yaml"
 OUTPUTS = ("artifacts", "reports")
@@ -74,7 +73,7 @@ class Repository:
         finally:
             settle(self.folder)
 
-    def start(self, *command: str, **environment: str) -> "subprocess.Popen[bytes]":
+    def start(self, *command: str, **variables: str) -> "subprocess.Popen[bytes]":
         """Start a command in a process group of its own; what it prints goes to ``log``."""
         temporary = self.folder.with_name("tmp")
         temporary.mkdir(exist_ok=True)
@@ -87,16 +86,16 @@ class Repository:
             return subprocess.Popen(
                 command,
                 cwd=self.folder,
-                env={**clone_environment(self.folder), **places, **environment},
+                env={**environment(self.folder), **places, **variables},
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
             )
 
-    def reproduce(self, stage: str | None = None, **environment: str) -> Ended:
+    def reproduce(self, stage: str | None = None, **variables: str) -> Ended:
         """Run ``dvc repro``, of one stage and what it needs or of all."""
         command = ["dvc", "repro", *([stage] if stage else [])]
-        status = self.start(*command, **environment).wait()
+        status = self.start(*command, **variables).wait()
         return Ended(status, self.printed())
 
     @property

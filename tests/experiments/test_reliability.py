@@ -1,11 +1,13 @@
-"""The committed run of the fault injection is complete, and nothing failed in it."""
+"""The committed run of kills and faults is complete, and nothing failed in it."""
 
 import pandas as pd
 
-from tests.faults.breakages import FAULTS
-from tests.faults.kills import A_STAGE, IN_ALL
-from tests.faults.repository import stages
-from tests.reliability import REPORT
+from experiments.clone import ROOT
+from experiments.reliability.breakages import FAULTS
+from experiments.reliability.kills import A_STAGE, IN_ALL
+from experiments.reliability.repository import stages
+
+REPORT = ROOT / "reports" / "reliability"
 
 
 def test_enough_kills_hit_every_stage_and_left_nothing():
