@@ -1,0 +1,1 @@
+"""Kills and faults that strike a copy of the repository: docs/reliability.md."""

@@ -110,18 +110,21 @@ def on_disk(disk: Callable[[Path], AbstractContextManager[None]], name: str) -> 
 
 
 def store_gone(repository: Repository, stage: str) -> Ended:
+    """Run a stage while nothing answers at the address of the tracking server."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
     return repository.reproduce(stage, MLFLOW_TRACKING_URI=f"http://127.0.0.1:{port}")
 
 
 def store_hangs(repository: Repository, stage: str) -> Ended:
+    """Run a stage while a tracking server takes connections and never answers."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
         return repository.reproduce(stage, MLFLOW_TRACKING_URI=f"http://127.0.0.1:{port}")
 
 
 def store_locked(repository: Repository, stage: str) -> Ended:
+    """Run a stage while another process locks the store of runs."""
     store = repository.folder / "mlflow.db"
     with closing(sqlite3.connect(store, isolation_level=None)) as other:
         other.execute("BEGIN EXCLUSIVE")
@@ -131,6 +134,7 @@ def store_locked(repository: Repository, stage: str) -> Ended:
 def stage_alone_killed(
     repository: Repository, stage: str, number: signal.Signals = signal.SIGKILL
 ) -> Ended:
+    """Send a signal to the process of a stage, and not to DVC, in the middle of the stage."""
     dvc, process = _running(repository, stage)
     time.sleep(repository.seconds[stage] / 2)
     process.send_signal(number)
@@ -138,6 +142,7 @@ def stage_alone_killed(
 
 
 def stage_stopped(repository: Repository, stage: str) -> Ended:
+    """Stop a stage by SIGTERM; its workers must end."""
     ended = stage_alone_killed(repository, stage, signal.SIGTERM)
     deadline = time.monotonic() + WORKERS_GONE
     while left := [
@@ -160,6 +165,7 @@ def dvc_alone_killed(repository: Repository, stage: str) -> Ended:
 
 
 def killed_while_dvc_keeps(repository: Repository, stage: str) -> Ended:
+    """Kill DVC while it moves a stage's outputs to its cache."""
     dvc, process = _running(repository, stage)
     process.wait()
     os.killpg(dvc.pid, signal.SIGKILL)

@@ -12,7 +12,7 @@ replace, done = Path.replace, 0
 OUTPUTS = {"artifacts", "reports"}
 
 
-def interrupted(temporary, target):
+def interrupted(temporary: Path, target: Path) -> Path:
     """Cut the file that is about to take its place in half, and die."""
     global done
     written = Path(target).absolute()
