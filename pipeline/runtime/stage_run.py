@@ -5,7 +5,6 @@ tables: ``run.keep(errors=…)``. The stage ``report`` makes the tables and figu
 from them (``pipeline.report``), so that a caption or a colour is no dependency of a computation.
 """
 
-import os
 import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -20,7 +19,6 @@ from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.provenance import content_hash, provenance, short
 from rallygap.pipeline.tracking.recording import recorded
 from rallygap.pipeline.tracking.results import InputData, Results, TrainedModel
-from rallygap.pipeline.web.figure_style import apply_style
 
 KEPT = "report"  # folder among a stage's artefacts
 
@@ -131,8 +129,6 @@ def run_stage(stage: Callable[[StageRun], None]) -> None:
 
     A user's input error ends the process with one line and status 2.
     """
-    os.environ["MPLBACKEND"] = "Agg"
-    apply_style()
     try:
         params = load_params(Path("params.yaml"))
         origin = provenance(Path.cwd(), stage.__name__)
