@@ -12,6 +12,7 @@ from rallygap.models.gap.diagnose import diagnose
 from rallygap.models.gap.fit.shots import Shots
 from rallygap.models.gap.verdict import Verdict, VerdictError
 from rallygap.pipeline.io.artifacts import read_json, write_json, write_text
+from rallygap.pipeline.io.simulators import load_simulator, simulator_yaml
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.parallel import make_missing
 
@@ -32,6 +33,25 @@ def json_results(tasks: Mapping[Path, Callable[[], Any]], description: str) -> l
 
 def _write(file: Path, task: Callable[[], Any]) -> None:
     write_json(file, task())
+
+
+def amended_simulators(
+    amend: Mapping[str, Callable[[], Simulator]], folder: Path
+) -> dict[str, Simulator]:
+    """Return simulators by name; those whose file is in the folder are not amended again.
+
+    Args:
+        amend: by name, what returns an amended simulator; it can be pickled.
+        folder: of the files.
+    """
+    files = {name: folder / f"{name}.yaml" for name in amend}
+    tasks = {files[name]: partial(_write_amended, files[name], amend[name]) for name in amend}
+    make_missing(tasks, "amended simulators")
+    return {name: load_simulator(str(file)) for name, file in files.items()}
+
+
+def _write_amended(file: Path, amend: Callable[[], Simulator]) -> None:
+    write_text(file, simulator_yaml(amend()))
 
 
 @dataclass(frozen=True)

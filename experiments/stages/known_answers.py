@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from experiments.folds import fold_numbers
 from experiments.known_answers import (
     Answer,
     Question,
@@ -24,7 +25,6 @@ from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.amend.simulator import amended
 from rallygap.models.gap.fit.shots import Shots
 from rallygap.models.gap.settings import DEFAULTS
-from rallygap.pipeline.gap.folds import fold_numbers
 from rallygap.pipeline.gap.measured_shots import read_shots
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.io.simulators import load_simulator

@@ -17,6 +17,7 @@ from experiments.learning_curves import (
     curve_rows,
     subsets,
 )
+from experiments.resumed import amended_simulators
 from rallygap.models.predictors.errors import HORIZONS_MS, error_norms
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
 from rallygap.models.predictors.learned import LearnedPredictor
@@ -25,7 +26,6 @@ from rallygap.models.predictors.protocol import ProbabilisticPredictor
 from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet, read_test_sets
 from rallygap.pipeline.evaluation.forecasts import forecast_windows
 from rallygap.pipeline.evaluation.predictors import ARENA, ORACLE, NamedPredictor
-from rallygap.pipeline.gap.amended_files import amended_simulators
 from rallygap.pipeline.io.amended_simulators import AMENDED
 from rallygap.pipeline.io.ground_truth import read_truth
 from rallygap.pipeline.predictors.parallel_training import train_networks

@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from experiments.ensemble import EnsemblePredictor
+from experiments.folds import fold_numbers
 from experiments.real_forecasts import (
     HYBRID,
     OTHER,
@@ -21,15 +23,13 @@ from experiments.real_forecasts import (
     Tested,
     amended_by,
 )
+from experiments.resumed import amended_simulators
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.predictors.ensemble import EnsemblePredictor
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS, concat_tables
 from rallygap.models.predictors.learned import LearnedPredictor
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import ProbabilisticPredictor
-from rallygap.pipeline.gap.amended_files import amended_simulators
 from rallygap.pipeline.gap.expected_balls import expected_balls
-from rallygap.pipeline.gap.folds import fold_numbers
 from rallygap.pipeline.gap.measured_shots import read_recordings
 from rallygap.pipeline.gap.shots import shots_of, source_shots
 from rallygap.pipeline.io.simulators import load_simulator

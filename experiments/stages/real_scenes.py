@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from experiments.folds import fold_numbers
 from experiments.measured_scenes import HORIZONS, MeasuredScene
 from experiments.resumed import verdicts
 from experiments.simulators import PUBLISHED
@@ -22,7 +23,6 @@ from rallygap.models.gap.settings import DEFAULTS
 from rallygap.models.gap.verdict import Verdict
 from rallygap.models.gap.verify.bootstrap import drawn_shots, interval
 from rallygap.pipeline.engines.audited import audited
-from rallygap.pipeline.gap.folds import fold_numbers
 from rallygap.pipeline.gap.measured_shots import read_shots
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.runtime.parallel import parallel

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from experiments.ensemble import EnsemblePredictor
 from rallygap.models.ball.simulators import shipped
-from rallygap.models.predictors.ensemble import EnsemblePredictor
 from rallygap.models.predictors.learned import LearnedPredictor
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.predictors.protocol import FUTURE, History

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rallygap.pipeline.gap.folds import fold_numbers
+from experiments.folds import fold_numbers
 from rallygap.pipeline.runtime.errors import InputError
 
 
