@@ -48,19 +48,20 @@ def arena_result(params: Params, seed: int, scratch: Path) -> dict[str, pd.DataF
         folder = Path(name)
         truth = record_arena(params, seed, folder).simulator
         shots = {ARENA: read_training_shots(folder)[ARENA]}
-        found = cases(shots, params.close_gap, seed)
-        diagnosed = next(one for one in found if one.simulator_name == NOMINAL).diagnose()
+        all_cases = cases(shots, params.close_gap, seed)
+        diagnosed = next(case for case in all_cases if case.simulator_name == NOMINAL).diagnose()
         known = amended(diagnosed.case.simulator, diagnosed.verdict)
         simulators = {name: load_simulator(name) for name in (NOMINAL, WITH_NET)}
         simulators |= {AMENDED: known, ORACLE: truth}
-        physics = {name: PhysicsPredictor(one) for name, one in simulators.items()}
+        physics = {name: PhysicsPredictor(simulator) for name, simulator in simulators.items()}
         networks = _trained_networks(params, seed, folder)
         predictors: dict[str, ProbabilisticPredictor] = {**physics, **networks}
         named = [NamedPredictor(name, predictors[name], name) for name in (*PREDICTORS, ORACLE)]
         errors = _errors(params, folder, named)
     verdict = diagnosed.verdict
     causes = [
-        NamedCause(identity=one.identity, interval=one.interval) for one in verdict.main_causes
+        NamedCause(identity=cause.identity, interval=cause.interval)
+        for cause in verdict.main_causes
     ]
     table = number_table(diagnosed.case.simulator, known, causes, truth)
     identities = table["effect"] + "." + table["parameter"]
@@ -82,8 +83,8 @@ def _trained_networks(params: Params, seed: int, artifacts: Path) -> dict[str, L
 def _errors(params: Params, folder: Path, named: list[NamedPredictor]) -> pd.DataFrame:
     (test,) = read_test_sets(folder, params.evaluate_predictor.window_every_ms / 1000)
     means = {
-        name: np.nanmean(error_norms(one, test.windows, "position"), axis=0)
-        for name, one in forecast_windows(test, named).items()
+        name: np.nanmean(error_norms(forecast, test.windows, "position"), axis=0)
+        for name, forecast in forecast_windows(test, named).items()
     }
     wide = pd.DataFrame(means, index=pd.Index(HORIZONS_MS, name="horizon_ms"))
     return wide.melt(var_name="predictor", value_name="mean", ignore_index=False).reset_index()

@@ -212,8 +212,8 @@ def references(folds: Sequence[Diagnosis]) -> list[dict[str, float]]:
     """
     tasks = {fold.file: partial(reference_values, fold.shots, fold.simulator) for fold in folds}
     values = json_results(tasks, "reference values")
-    for fold, found in zip(folds, values, strict=True):
-        if not isinstance(found, dict) or found.keys() != set(IDENTITIES):
+    for fold, content in zip(folds, values, strict=True):
+        if not isinstance(content, dict) or content.keys() != set(IDENTITIES):
             raise InputError(fold.file, "has no reference values; remove it and run again")
     return values
 
@@ -326,9 +326,9 @@ def set_scores(answers: Sequence[Answer]) -> dict[str, Any]:
     """
     errors = [answer.question.error for answer in answers]
     pairs = list(zip(answers, errors, strict=True))
-    planted = [one for one, error in pairs if error and error.identity != DISTORTION]
-    distorted = [one for one, error in pairs if error and error.identity == DISTORTION]
-    unplanted = [one.verdict for one, error in pairs if error is None]
+    planted = [answer for answer, error in pairs if error and error.identity != DISTORTION]
+    distorted = [answer for answer, error in pairs if error and error.identity == DISTORTION]
+    unplanted = [answer.verdict for answer, error in pairs if error is None]
     covered = [inside for answer in planted for inside in answer.covered]
     return {
         "questions": len(planted),

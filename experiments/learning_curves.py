@@ -77,20 +77,20 @@ class Learner:
     def members(self) -> list[MeasuredEpisode]:
         """Training episodes of the source, those that are no shots as well."""
         manifest = read_manifest(self.artifacts / "ingest" / "manifest.json")
-        found = read_episodes(self.artifacts / "segment", manifest.labelled_once, (TRAIN,))
-        return [one for one in found if one.source == self.source]
+        episodes = read_episodes(self.artifacts / "segment", manifest.labelled_once, (TRAIN,))
+        return [episode for episode in episodes if episode.source == self.source]
 
     @property
     def recordings(self) -> frozenset[str]:
         """The training recordings."""
-        return frozenset(one.recording_id for one in self.members)
+        return frozenset(member.recording_id for member in self.members)
 
     def amended(self, subset: Subset, name: str) -> Simulator:
         """Return a simulator of ``close_gap`` as a subset amends it; too few shots leave it."""
-        members = [one for one in self.members if one.recording_id in subset.recordings]
+        members = [member for member in self.members if member.recording_id in subset.recordings]
         settings, seed = self.params.close_gap, self.params.seed + subset.draw
-        found = cases({self.source: source_shots(members)}, settings, seed)
-        case = next(one for one in found if one.simulator_name == name)
+        all_cases = cases({self.source: source_shots(members)}, settings, seed)
+        case = next(case for case in all_cases if case.simulator_name == name)
         if len(case.shots) < DEFAULTS.verify.held_out:
             return case.simulator
         return amended(case.simulator, case.diagnose().verdict)
@@ -138,20 +138,23 @@ def curve_rows(errors: list[Errors], tested: np.ndarray, horizons_ms: list[int])
         tested: (B,) the test recording of each window.
         horizons_ms: of the errors.
     """
-    oracle = next(one.by_draw for one in errors if one.predictor == ORACLE)
+    oracle = next(kind.by_draw for kind in errors if kind.predictor == ORACLE)
     best, rows = np.nanmean(oracle, axis=(0, 1)), []
-    for one in errors:
-        found, medians = clustered_mean(one.by_draw, tested), np.nanmedian(one.by_draw, axis=(0, 1))
+    for kind in errors:
+        means, medians = (
+            clustered_mean(kind.by_draw, tested),
+            np.nanmedian(kind.by_draw, axis=(0, 1)),
+        )
         columns = {
             "horizon_ms": horizons_ms,
-            "mean": 1e3 * found.mean,
-            "ci_low": 1e3 * found.low,
-            "ci_high": 1e3 * found.high,
+            "mean": 1e3 * means.mean,
+            "ci_low": 1e3 * means.low,
+            "ci_high": 1e3 * means.high,
             "median": 1e3 * medians,
-            "of_oracle": found.mean / best,
-            "draws": len(one.by_draw),
-            "n": np.isfinite(one.by_draw[0]).sum(axis=0),
+            "of_oracle": means.mean / best,
+            "draws": len(kind.by_draw),
+            "n": np.isfinite(kind.by_draw[0]).sum(axis=0),
         }
-        keys = {"predictor": one.predictor, "recordings": one.recordings}
+        keys = {"predictor": kind.predictor, "recordings": kind.recordings}
         rows.append(pd.DataFrame({**keys, **columns}))
     return pd.concat(rows, ignore_index=True)

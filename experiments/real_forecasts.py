@@ -34,8 +34,8 @@ HYBRID, TRANSFORMER, OTHER = "hybrid", "transformer", "transformer_2"
 
 def amended_by(episodes: Sequence[MeasuredEpisode], nominal: Simulator) -> Simulator:
     """Return a simulator as the shots among some episodes amend it."""
-    found = source_shots(episodes)
-    return amended(nominal, diagnose(shots_of(found.members), nominal, nets=found.nets))
+    shots = source_shots(episodes)
+    return amended(nominal, diagnose(shots_of(shots.members), nominal, nets=shots.nets))
 
 
 class FineTuning(NamedTuple):
@@ -57,7 +57,7 @@ class FineTuning(NamedTuple):
             physics: with the simulator that these amend.
             folder: of checkpoints.
         """
-        tracks = build_tracks([one.episode for one in fold.others if one.unbroken])
+        tracks = build_tracks([member.episode for member in fold.others if member.unbroken])
         # Nothing is chosen by validation, so there is none of its own.
         data, other = (
             WindowData(tracks, tracks, self.settings, seed) for seed in (self.seed, self.seed + 1)
@@ -113,12 +113,12 @@ class Tested:
         every: float,
     ) -> "Tested":
         """Cut the unbroken test episodes into windows, ``every`` so many s."""
-        members = [[one for one in fold.tested if one.unbroken] for fold in folds]
-        parts = [[cut_windows(one.episode, every) for one in some] for some in members]
+        members = [[member for member in fold.tested if member.unbroken] for fold in folds]
+        parts = [[cut_windows(member.episode, every) for member in group] for group in members]
         recordings = [
-            np.repeat(one.recording_id, len(part))
-            for some, cut in zip(members, parts, strict=True)
-            for one, part in zip(some, cut, strict=True)
+            np.repeat(member.recording_id, len(part))
+            for group, cut in zip(members, parts, strict=True)
+            for member, part in zip(group, cut, strict=True)
         ]
         return cls(
             [concatenate_windows(cut) for cut in parts],
@@ -130,7 +130,9 @@ class Tested:
         """Return the errors of all predictors."""
         whole = concatenate_windows(self.windows)
         forecasts = {
-            name: concatenated([one.predict(part.history) for one, part in self._with(name)])
+            name: concatenated(
+                [predictor.predict(part.history) for predictor, part in self._with(name)]
+            )
             for name in self.predictors[0]
         }
         return ForecastErrors(
@@ -145,13 +147,13 @@ class Tested:
         """Return the coverage of regions; the other folds' errors calibrate those of a fold."""
         tables = {}
         for name in self.predictors[0]:
-            parts = [coverage.errors_of(one, part) for one, part in self._with(name)]
-            found = coverage.Coverage.crossed(parts)
+            parts = [coverage.errors_of(predictor, part) for predictor, part in self._with(name)]
+            result = coverage.Coverage.crossed(parts)
             resamples = settings.bootstrap_resamples
-            tables[(name,)] = found.table(self.recordings, resamples, seed)
+            tables[(name,)] = result.table(self.recordings, resamples, seed)
         return concat_tables(tables, ["predictor"])
 
     def _with(self, name: str) -> Iterator[tuple[ProbabilisticPredictor, Windows]]:
         """Yield the predictor of each fold and the fold's windows."""
-        for some, part in zip(self.predictors, self.windows, strict=True):
-            yield some[name], part
+        for predictors, part in zip(self.predictors, self.windows, strict=True):
+            yield predictors[name], part

@@ -83,5 +83,5 @@ class Diagnosis:
 
 def verdicts(diagnoses: Sequence[Diagnosis], description: str) -> list[Verdict]:
     """Return the verdicts on all diagnoses; arguments and errors as of ``json_results``."""
-    make_missing({one.file: one.write for one in diagnoses}, description)
-    return [one.read() for one in diagnoses]
+    make_missing({diagnosis.file: diagnosis.write for diagnosis in diagnoses}, description)
+    return [diagnosis.read() for diagnosis in diagnoses]

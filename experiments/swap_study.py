@@ -44,9 +44,13 @@ def trained_policies(root: Path, params: Params, folder: Path) -> list[TrainingR
     described = list(described_policies(params.train_policy, params.seed))
     amended = amended_simulator(root, params)
     again = [
-        in_simulator(one, ARENA, amended) for one in described if one.observation == RETRAINED_KIND
+        in_simulator(policy, ARENA, amended)
+        for policy in described
+        if policy.observation == RETRAINED_KIND
     ]
-    return train_policies([TrainingJob(one, folder / one.name) for one in (*described, *again)])
+    return train_policies(
+        [TrainingJob(policy, folder / policy.name) for policy in (*described, *again)]
+    )
 
 
 def amended_simulator(root: Path, params: Params) -> Simulator:
@@ -56,11 +60,11 @@ def amended_simulator(root: Path, params: Params) -> Simulator:
         InputError: it has not.
     """
     nominal = params.sim2real.simulator
-    found = amended_by(root / "artifacts" / "close_gap", ARENA, nominal)
-    if found is None:
+    simulator = amended_by(root / "artifacts" / "close_gap", ARENA, nominal)
+    if simulator is None:
         problem = f"close_gap has not amended {nominal} from shots of the arena"
         raise InputError("params.yaml", problem, field="close_gap.name")
-    return found
+    return simulator
 
 
 @dataclass(frozen=True)
@@ -153,6 +157,6 @@ def study_tables(played: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
         "gains_retrained": (both, ["horizons_ms", "predictor"], {"policy": ORIGINAL}),
     }
     return {
-        **{name: rates(*one) for name, one in shares.items()},
-        **{name: differences(*one) for name, one in gains.items()},
+        **{name: rates(*arguments) for name, arguments in shares.items()},
+        **{name: differences(*arguments) for name, arguments in gains.items()},
     }

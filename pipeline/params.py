@@ -350,8 +350,8 @@ def _explanation(details: Any) -> str:
     if details["type"] == "missing":
         return "is missing"
     message = details["msg"][0].lower() + details["msg"][1:]
-    found = json.dumps(details["input"], ensure_ascii=False)
-    return f"{message}, not {found[:LONGEST_SHOWN]}{'…' if len(found) > LONGEST_SHOWN else ''}"
+    text = json.dumps(details["input"], ensure_ascii=False)
+    return f"{message}, not {text[:LONGEST_SHOWN]}{'…' if len(text) > LONGEST_SHOWN else ''}"
 
 
 def _known_keys(location: Sequence[int | str]) -> set[str]:

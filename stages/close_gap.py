@@ -25,9 +25,9 @@ def close_gap(run: StageRun) -> None:
     shots = _enough(run, read_training_shots(run.root / "artifacts"))
     chosen = list(cases(shots, settings, run.seed))
     diagnosed = list(parallel([case.diagnose for case in chosen], "verdicts"))
-    for one in diagnosed:
-        _write(run, one)
-    rows = [(one.source, one.simulator_name, one.split, len(one.shots)) for one in chosen]
+    for pair in diagnosed:
+        _write(run, pair)
+    rows = [(case.source, case.simulator_name, case.split, len(case.shots)) for case in chosen]
     run.keep(cases=pd.DataFrame(rows, columns=["source", "simulator", "split", "shots"]))
     run.write_metrics(_metrics(diagnosed))
 
@@ -36,8 +36,8 @@ def _metrics(diagnosed: Sequence[Diagnosed]) -> dict[str, Any]:
     """Return ``{source: {simulator: {causes, removable_closed}}}``, means over splits."""
     metrics: dict[str, Any] = {}
     groups: dict[tuple[str, str], list[Verdict]] = {}
-    for one in diagnosed:
-        groups.setdefault((one.case.source, one.case.simulator_name), []).append(one.verdict)
+    for pair in diagnosed:
+        groups.setdefault((pair.case.source, pair.case.simulator_name), []).append(pair.verdict)
     for key, verdicts in groups.items():
         values = place(metrics, key)
         values["causes"] = rounded(fmean(len(verdict.main_causes) for verdict in verdicts))
@@ -51,7 +51,7 @@ def _metrics(diagnosed: Sequence[Diagnosed]) -> dict[str, Any]:
 def _enough(run: StageRun, shots: dict[str, SourceShots]) -> dict[str, SourceShots]:
     """Return the sources with enough shots for a verdict; warn of the others."""
     least = DEFAULTS.verify.held_out
-    counts = {source: len(found.members) for source, found in shots.items()}
+    counts = {source: len(pool.members) for source, pool in shots.items()}
     for source, count in counts.items():
         run.log_input(source, run.input("segment", "samples.parquet"), count)
         if count < least:
@@ -63,11 +63,11 @@ def _enough(run: StageRun, shots: dict[str, SourceShots]) -> dict[str, SourceSho
     return enough
 
 
-def _write(run: StageRun, one: Diagnosed) -> None:
-    case = one.case
-    amended = amended_yaml(case.simulator, one.verdict, case.source)
+def _write(run: StageRun, pair: Diagnosed) -> None:
+    case = pair.case
+    amended = amended_yaml(case.simulator, pair.verdict, case.source)
     write_text(run.artifact(f"{case.name}.yaml"), amended)
-    write_text(run.artifact(f"{case.name}.json"), one.verdict.to_json())
+    write_text(run.artifact(f"{case.name}.json"), pair.verdict.to_json())
 
 
 if __name__ == "__main__":

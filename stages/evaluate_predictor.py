@@ -36,26 +36,28 @@ def evaluate_predictor(run: StageRun) -> None:
     truth = read_truth(run.input("ingest", "truth.json"))
     every = settings.window_every_ms / 1000
     sets = read_test_sets(artifacts, every)
-    validation = {one.name: one for one in read_sets(artifacts, every, "validation")}
+    validation = {measured.name: measured for measured in read_sets(artifacts, every, "validation")}
     results: Results = {}
     met_net, coverage = {}, {}
-    for one in sets:
-        run.log_input(one.name, run.input("segment", "samples.parquet"), len(one.windows))
-        able = [each for each in predictors if each.forecasts(one.name)]
-        forecasts = forecast_windows(one, able)
-        results[one.name, MEASURED] = evaluate(forecasts, one.windows, one, settings, run.seed)
-        if one.name == ARENA and truth is not None:
-            contacts = read_contacts(run.input("ingest", "true_contacts.parquet"), one.recordings)
-            true = true_windows(one.windows, one.recordings, truth, contacts)
-            results[one.name, TRUTH] = evaluate(forecasts, true, one, settings, run.seed)
-            met_net[one.name] = net_contacts(one.windows, one.recordings, contacts)
-        if one.name in validation:
-            coverage[one.name,] = coverage_rows(
-                one, validation[one.name], able, settings.bootstrap_resamples, run.seed
+    for test in sets:
+        run.log_input(test.name, run.input("segment", "samples.parquet"), len(test.windows))
+        able = [predictor for predictor in predictors if predictor.forecasts(test.name)]
+        forecasts = forecast_windows(test, able)
+        results[test.name, MEASURED] = evaluate(forecasts, test.windows, test, settings, run.seed)
+        if test.name == ARENA and truth is not None:
+            contacts = read_contacts(run.input("ingest", "true_contacts.parquet"), test.recordings)
+            true = true_windows(test.windows, test.recordings, truth, contacts)
+            results[test.name, TRUTH] = evaluate(forecasts, true, test, settings, run.seed)
+            met_net[test.name] = net_contacts(test.windows, test.recordings, contacts)
+        if test.name in validation:
+            coverage[test.name,] = coverage_rows(
+                test, validation[test.name], able, settings.bootstrap_resamples, run.seed
             )
     tables = {key: result.over_horizon() for key, result in results.items()}
     errors = concat_tables(tables, ["set", "against"])
-    run.write_metrics(_metrics(errors, [one.name for one in predictors if one.trained_on]))
+    run.write_metrics(
+        _metrics(errors, [predictor.name for predictor in predictors if predictor.trained_on])
+    )
     run.keep(
         errors=errors,
         differences=_differences(results, predictors),
@@ -87,7 +89,11 @@ def _differences(results: Results, predictors: Sequence[NamedPredictor]) -> pd.D
     """Return the paired differences between trained or amended predictors and all others."""
     differences = {
         (name,): result.differences(
-            [one.name for one in predictors if one.trained_on and one.forecasts(name)]
+            [
+                predictor.name
+                for predictor in predictors
+                if predictor.trained_on and predictor.forecasts(name)
+            ]
         )
         for (name, against), result in results.items()
         if against == MEASURED
@@ -98,9 +104,9 @@ def _differences(results: Results, predictors: Sequence[NamedPredictor]) -> pd.D
 def _groups(sets: Sequence[MeasuredSet], results: Results) -> pd.DataFrame:
     """Return the position error at 300 ms by group of recordings."""
     tables = {}
-    for one in sets:
-        groups = recording_groups(pd.Series(one.recordings)).replace("", "all")
-        tables[(one.name,)] = results[one.name, MEASURED].by_group(groups.to_numpy())
+    for test in sets:
+        groups = recording_groups(pd.Series(test.recordings)).replace("", "all")
+        tables[(test.name,)] = results[test.name, MEASURED].by_group(groups.to_numpy())
     return concat_tables(tables, ["set"])
 
 
@@ -124,14 +130,14 @@ def _described(predictors: Sequence[NamedPredictor]) -> pd.DataFrame:
     """Return one row a predictor: its kind, simulator, size and training data."""
     rows = [
         {
-            "predictor": one.name,
-            "kind": one.kind,
-            "simulator": one.simulator,
-            "parameters": one.parameters,
-            "starts from": one.starts_from,
-            "trained on": ", ".join(one.trained_on) or None,
+            "predictor": predictor.name,
+            "kind": predictor.kind,
+            "simulator": predictor.simulator,
+            "parameters": predictor.parameters,
+            "starts from": predictor.starts_from,
+            "trained on": ", ".join(predictor.trained_on) or None,
         }
-        for one in predictors
+        for predictor in predictors
     ]
     return pd.DataFrame(rows).astype({"parameters": "Int64"})
 

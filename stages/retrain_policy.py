@@ -59,7 +59,8 @@ def retrain_policy(run: StageRun) -> None:
     own = rates(_in_own_simulator(run, settings, results), ["simulator", "horizons_ms"])
     before = own[own["simulator"] == settings.simulator].set_index("horizons_ms")["return_rate"]
     tables = [
-        retraining_table(pooled(one, source), before.to_dict()) for source, one in replayed.items()
+        retraining_table(pooled(table, source), before.to_dict())
+        for source, table in replayed.items()
     ]
     returns = pd.concat(tables, ignore_index=True)
     numbers = _numbers(run, settings.simulator, simulators)

@@ -93,15 +93,16 @@ def _replayed(sets: Sequence[ReplaySet]) -> pd.DataFrame:
     """Return the numbers of replayed and excluded shots, one row a set."""
     rows = [
         {
-            "set": one.name,
-            "replayed": len(one),
-            "in_reach": one.in_reach,
-            "rotated": one.rotated,
-            "excluded": ", ".join(f"{count} {why}" for why, count in one.excluded.items()) or None,
-            "spin": one.spin,
-            "physics": "true" if one.oracle else "literature",
+            "set": shots.name,
+            "replayed": len(shots),
+            "in_reach": shots.in_reach,
+            "rotated": shots.rotated,
+            "excluded": ", ".join(f"{count} {why}" for why, count in shots.excluded.items())
+            or None,
+            "spin": shots.spin,
+            "physics": "true" if shots.oracle else "literature",
         }
-        for one in sets
+        for shots in sets
     ]
     return pd.DataFrame(rows)
 

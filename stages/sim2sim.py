@@ -36,7 +36,7 @@ def _rates(played: pd.DataFrame) -> pd.DataFrame:
     per_seed = [part.groupby("repeat")["returned"].mean().tolist() for _, part in experiments]
     return table.rename(columns=INTERVAL).assign(
         per_seed=pd.Series(per_seed),
-        std=[np.std(each) for each in per_seed],
+        std=[np.std(shares) for shares in per_seed],
         # To a micrometre: the ground truth's own forecasts differ from it by rounding alone.
         forecast_error_m=experiments["forecast_error_m"].mean().round(6).to_numpy(),
     )

@@ -26,7 +26,7 @@ RECORDED = 32  # test shots of the first policy, one of which is shown
 def train_policy(run: StageRun) -> None:
     """Train the policies of all groups, and let each play test shots."""
     described = list(described_policies(run.params.train_policy, run.seed))
-    jobs = [TrainingJob(one, run.scratch(one.name)) for one in described]
+    jobs = [TrainingJob(description, run.scratch(description.name)) for description in described]
     results = train_policies(jobs)
     tests = play_test_shots(results, run.params.train_policy.trials, RECORDED)
     for result in results:
@@ -37,7 +37,7 @@ def train_policy(run: StageRun) -> None:
     tables = [test.table for test in tests]
     write_table(run.artifact(TEST_TRIALS), pd.concat(tables, ignore_index=True))
     _write_motion(run, described[0].name, tests[0])
-    curves = [one.curve.assign(**one.description.labels) for one in results]
+    curves = [result.curve.assign(**result.description.labels) for result in results]
     policies = policies_table(results, tests)
     run.keep(learning=pd.concat(curves), policies=policies)
     run.write_metrics(_metrics(policies))

@@ -27,19 +27,21 @@ def train_predictor(run: StageRun) -> None:
     settings, tuning = run.params.train_predictor, run.params.train_predictor.fine_tuning
     episodes = TrainingEpisodes(run.root / "artifacts", run.seed)
     data = episodes.window_data(settings.sources, settings.training)
-    networks = {name: untrained_network(one, data) for name, one in settings.networks.items()}
+    networks = {
+        name: untrained_network(network, data) for name, network in settings.networks.items()
+    }
     results = _train(run, networks, data, settings.sources)
-    for one in results:
-        _save(run, one, data, settings.sources)
+    for result in results:
+        _save(run, result, data, settings.sources)
     if tuning.sources:
         changed = settings.training.model_copy(update=tuning.model_dump(exclude={"sources"}))
         data = episodes.window_data(tuning.sources, changed)
-        copies = {f"{one.name}{FINE_TUNED}": copy.deepcopy(one.network) for one in results}
+        copies = {f"{result.name}{FINE_TUNED}": copy.deepcopy(result.network) for result in results}
         tuned = _train(run, copies, data, tuning.sources)
-        for one in tuned:
-            _save(run, one, data, tuning.sources, one.name.removesuffix(FINE_TUNED))
+        for result in tuned:
+            _save(run, result, data, tuning.sources, result.name.removesuffix(FINE_TUNED))
         results = [*results, *tuned]
-    curves = pd.concat([one.curve.assign(predictor=one.name) for one in results])
+    curves = pd.concat([result.curve.assign(predictor=result.name) for result in results])
     last = curves.groupby("predictor", sort=False).last()
     run.write_metrics({str(name): rounded(loss) for name, loss in last["validation"].items()})
     run.keep(losses=curves)
@@ -52,10 +54,10 @@ def _train(
     path = run.input("segment", "episodes.parquet")
     run.log_input("+".join(sources), path, data.train.episodes)
     results = train_networks(
-        [TrainingJob(name, one, data, run.scratch(name)) for name, one in networks.items()]
+        [TrainingJob(name, network, data, run.scratch(name)) for name, network in networks.items()]
     )
-    for one in results:
-        run.timings[one.name] = {"training_s": round(one.seconds, 1)}
+    for result in results:
+        run.timings[result.name] = {"training_s": round(result.seconds, 1)}
     return results
 
 

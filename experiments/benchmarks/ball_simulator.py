@@ -117,13 +117,13 @@ def with_scipy(state: np.ndarray) -> np.ndarray:
     ahead, now = TIMES, 0.0
     while len(ahead):
         span = (now, ahead[-1])
-        found: Any = solve_ivp(
+        solution: Any = solve_ivp(
             slope, span, state, "DOP853", ahead, events=event, rtol=1e-12, atol=1e-12
         )
-        states.extend(found.y.T)
-        if found.status == 0:
+        states.extend(solution.y.T)
+        if solution.status == 0:
             break
-        now, state = found.t_events[0][0], bounce(found.y_events[0][0])
+        now, state = solution.t_events[0][0], bounce(solution.y_events[0][0])
         ahead = TIMES[now < TIMES]
     return np.array(states)
 

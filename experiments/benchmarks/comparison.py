@@ -67,7 +67,7 @@ def rate(work: Callable[[], int]) -> float:
 def report(benchmark: str, comparisons: Sequence[Comparison], **details: Any) -> None:
     """Print comparisons and details, and write them into the committed report."""
     reports = read_json(REPORT) if REPORT.is_file() else {}
-    rows, numbers = [_rounded(asdict(one)) for one in comparisons], _rounded(details)
+    rows, numbers = [_rounded(asdict(comparison)) for comparison in comparisons], _rounded(details)
     reports[benchmark] = {**machine(), "comparisons": rows, "details": numbers}
     write_json(REPORT, dict(sorted(reports.items())))
     Console().print(pd.DataFrame(rows).to_string(index=False), numbers)

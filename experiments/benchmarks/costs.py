@@ -46,9 +46,9 @@ def measure_costs(root: Path) -> pd.DataFrame:
     position_errors = errors.pivot_table("mean", "predictor", "horizon_ms")
     timings = kept_timings(root, "train_predictor")
     training = {
-        name: one["training_s"]
-        for name, one in timings.items()
-        if isinstance(one, dict) and "training_s" in one
+        name: timing["training_s"]
+        for name, timing in timings.items()
+        if isinstance(timing, dict) and "training_s" in timing
     }
     history = first.windows.history
     evenly = np.linspace(0, len(history) - 1, CALLS).astype(int)

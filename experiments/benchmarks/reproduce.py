@@ -33,8 +33,8 @@ def reproduced(clone: Path) -> pd.DataFrame:
     ) as process:
         assert process.stdout is not None
         for line in process.stdout:
-            if found := RUNNING.search(line):
-                starts[found[1]] = time.monotonic()
+            if match := RUNNING.search(line):
+                starts[match[1]] = time.monotonic()
     if process.returncode:
         raise subprocess.CalledProcessError(process.returncode, "make reproduce")
     moments = [*starts.values(), time.monotonic()]

@@ -49,9 +49,9 @@ class Ended:
             r"ERROR: ",
             *REFUSALS.values(),
         ):
-            found = [line for line in lines if re.match(sought, line)]
-            if found:
-                return found[-1]
+            matches = [line for line in lines if re.match(sought, line)]
+            if matches:
+                return matches[-1]
         return ""
 
 
@@ -134,14 +134,16 @@ class Repository:
 
     def half_written(self) -> list[str]:
         """Outputs that stand under their name and are not those of the undisturbed run."""
-        expected, found = digests(self.spare), digests(self.folder)
-        shown = (path for path in found if not any(part[0] == "." for part in path.split("/")))
-        return sorted(path for path in shown if found[path] != expected.get(path))
+        expected, outputs = digests(self.spare), digests(self.folder)
+        shown = (path for path in outputs if not any(part[0] == "." for part in path.split("/")))
+        return sorted(path for path in shown if outputs[path] != expected.get(path))
 
     def differences(self) -> list[str]:
         """Outputs that differ from the undisturbed run's, lack, or are too many; what DVC lost."""
-        expected, found = digests(self.spare), digests(self.folder)
-        paths = {path for path in expected.keys() | found if expected.get(path) != found.get(path)}
+        expected, outputs = digests(self.spare), digests(self.folder)
+        paths = {
+            path for path in expected.keys() | outputs if expected.get(path) != outputs.get(path)
+        }
         entries = {entry for stage in stages() for entry in cached(self.spare, stage)}
         lost = {entry.as_posix() for entry in entries if not (self.folder / entry).exists()}
         return sorted(
@@ -235,15 +237,15 @@ def cached(folder: Path, stage: str) -> set[Path]:
     Returns:
         Paths below ``folder``; none for outputs that git keeps.
     """
-    found = set()
+    entries = set()
     for output in lock(folder)["stages"][stage]["outs"]:
         entry = _entry(output["md5"])
         if (folder / entry).exists():
-            found.add(entry)
-        if (folder / entry).suffix == ".dir" and entry in found:
+            entries.add(entry)
+        if (folder / entry).suffix == ".dir" and entry in entries:
             listed = json.loads((folder / entry).read_text())
-            found |= {_entry(part["md5"]) for part in listed}
-    return found
+            entries |= {_entry(part["md5"]) for part in listed}
+    return entries
 
 
 def _entry(digest: str) -> Path:

@@ -20,7 +20,8 @@ def answer_rows(records: Sequence[ExamRecord], methods: Sequence[str]) -> pd.Dat
         (
             record.name,
             method,
-            " + ".join(f"{one.identity}={one.value:.4g}" for one in record.hidden) or "nothing",
+            " + ".join(f"{cause.identity}={cause.value:.4g}" for cause in record.hidden)
+            or "nothing",
             answer.conclusion or answer.error,
             " + ".join(map(_described, answer.causes)),
             mark(record, method),

@@ -203,9 +203,9 @@ def _draw_solved(axes: Axes, records: Records, method: str, cells: dict[str, flo
             shares[setting] = (right / len(given), *interval(right, len(given)))
     if shares:
         middle, low, high = 100 * np.array(list(shares.values())).T
-        places = np.array(list(shares)) * APART ** list(COLOURS).index(method)
+        positions = np.array(list(shares)) * APART ** list(COLOURS).index(method)
         axes.errorbar(
-            places, middle, [middle - low, high - middle], fmt="o-", ms=3.5, lw=1.4,
+            positions, middle, [middle - low, high - middle], fmt="o-", ms=3.5, lw=1.4,
             elinewidth=0.8, color=COLOURS[method], label=method_label(method),
         )  # fmt: skip
 
@@ -231,15 +231,15 @@ def methods_figure(records: Records, methods: Sequence[str]) -> ReportFigure:
     )
 
 
-def _draw_rates(axes: Axes, found: dict[str, Any], shift: float, method: str) -> None:
+def _draw_rates(axes: Axes, numbers: dict[str, Any], shift: float, method: str) -> None:
     style: dict[str, Any] = {"color": COLOURS[method], "ms": 4}
-    if found["removable_closed"] is not None:
-        axes.plot(len(RATES) + shift, 100 * max(found["removable_closed"], 0.0), "o", **style)
+    if numbers["removable_closed"] is not None:
+        axes.plot(len(RATES) + shift, 100 * max(numbers["removable_closed"], 0.0), "o", **style)
     axes.plot([], [], "o", label=method_label(method), **style)
     for place, (trials, counted) in enumerate(RATES.values()):
-        if found[trials]:
-            share = 100 * found[counted] / found[trials]
-            low, high = (100 * end for end in interval(found[counted], found[trials]))
+        if numbers[trials]:
+            share = 100 * numbers[counted] / numbers[trials]
+            low, high = (100 * end for end in interval(numbers[counted], numbers[trials]))
             ends = [[share - low], [high - share]]
             axes.errorbar(place + shift, share, ends, fmt="o", elinewidth=0.9, **style)
 

@@ -109,8 +109,8 @@ def arenas_figure(causes: pd.DataFrame, errors: pd.DataFrame) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=(3, 2))
     for name, label in PREDICTORS.items():
         ordered = np.sort(ratios(errors, name, FARTHEST_MS).to_numpy())
-        places = np.arange(1, len(ordered) + 1)
-        left.plot(places, ordered, color=_colour(name), marker="o", markersize=3, label=label)
+        ranks = np.arange(1, len(ordered) + 1)
+        left.plot(ranks, ordered, color=_colour(name), marker="o", markersize=3, label=label)
     left.axhline(1.0, color=INK, linewidth=0.8)
     left.set_yscale("log")
     left.yaxis.set_major_formatter("{x:g}")
@@ -128,9 +128,9 @@ def _draw_found(axes: Axes, causes: pd.DataFrame) -> None:
     for place, (name, named, hidden) in enumerate(found_by_size(causes)):
         names.append(f"{name}\nn = {hidden}")
         if hidden:
-            found = rate(named, hidden).times(100)
-            axes.plot([place, place], [found.low, found.high], color=MARKED)
-            axes.plot(place, found.value, color=MARKED, marker="o", markersize=5)
+            share = rate(named, hidden).times(100)
+            axes.plot([place, place], [share.low, share.high], color=MARKED)
+            axes.plot(place, share.value, color=MARKED, marker="o", markersize=5)
     axes.set_xticks(range(len(names)), names)
     axes.set_ylim(-3, 103)
     axes.set_xlabel("size (minimum detectable effects)")
@@ -223,8 +223,8 @@ def paper_network_figure(errors: pd.DataFrame, curve: pd.DataFrame) -> Figure:
     return figure
 
 
-def _tick_only(axis: Axis, places: tuple[float, ...] | list[float]) -> None:
-    axis.set_major_locator(FixedLocator(places))
+def _tick_only(axis: Axis, ticks: tuple[float, ...] | list[float]) -> None:
+    axis.set_major_locator(FixedLocator(ticks))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_locator(NullLocator())
 

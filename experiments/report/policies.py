@@ -77,9 +77,9 @@ def spread_policies_figure(table: pd.DataFrame) -> Figure:
         for number, (policy, (label, marker, colour)) in enumerate(POLICIES.items()):
             rows = members[members["policy"] == policy]
             rate, ends = percent(rows)
-            places = [predictors.index(row) + 0.25 * (number - 1) for row in rows["predictor"]]
+            positions = [predictors.index(row) + 0.25 * (number - 1) for row in rows["predictor"]]
             axes.errorbar(
-                rate, places, xerr=ends, fmt=marker, color=colour,
+                rate, positions, xerr=ends, fmt=marker, color=colour,
                 markersize=4, capsize=2, label=label,
             )  # fmt: skip
         axes.set_title(f"{name}, n = {members['balls'].iloc[0]}")

@@ -18,8 +18,8 @@ def exam(run: StageRun) -> None:
     records = run_questions(assignments(run.params), run.scratch("records"))
     write_records(run.root / RECORDS, records)
     run.publish({"costs": verdict_costs(records)}, digits=3)
-    found = rates(records, RALLYGAP)
-    run.write_metrics({name: found[name] for name in HEADLINES})
+    numbers = rates(records, RALLYGAP)
+    run.write_metrics({name: numbers[name] for name in HEADLINES})
 
 
 def verdict_costs(records: Sequence[ExamRecord]) -> pd.DataFrame:

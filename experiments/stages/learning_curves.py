@@ -43,7 +43,7 @@ def learning_curves(run: StageRun) -> None:
         InputError: the stages before have not run, or not with the arena.
     """
     every = run.params.evaluate_predictor.window_every_ms / 1000
-    (test,) = (one for one in read_test_sets(run.root / "artifacts", every) if one.name == ARENA)
+    (test,) = (test for test in read_test_sets(run.root / "artifacts", every) if test.name == ARENA)
     errors = list(_all_errors(run, test))
     run.publish({"errors": curve_rows(errors, test.recordings, list(SHOWN_HORIZONS_MS))})
 
@@ -53,8 +53,8 @@ def _all_errors(run: StageRun, test: MeasuredSet) -> Iterator[Errors]:
     learner, scratch = Learner(run.root / "artifacts", ARENA, run.params), run.scratch("learned")
     chosen = list(subsets(learner.recordings, SIZES, DRAWS, run.seed))
     yield from _errors(test, chosen, f"{AMENDED}_{BASE}", _amended(learner, chosen, scratch))
-    for one in NETWORKS:
-        yield from _errors(test, chosen, one, _trained(learner, chosen, one, scratch))
+    for network in NETWORKS:
+        yield from _errors(test, chosen, network, _trained(learner, chosen, network, scratch))
     yield from _errors(test, chosen, ORACLE, _oracle(run, chosen))
 
 
@@ -66,25 +66,30 @@ def _errors(
 ) -> Iterator[Errors]:
     """Yield the errors of a kind of predictor, for each number of recordings."""
     shown = [HORIZONS_MS.index(horizon) for horizon in SHOWN_HORIZONS_MS]
-    named = [NamedPredictor(key, one, name) for key, one in predictors.items()]
+    named = [NamedPredictor(key, predictor, name) for key, predictor in predictors.items()]
     forecasts = forecast_windows(test, named)
-    for size in sorted({one.size for one in chosen}):
-        of_size = [forecasts[one.name] for one in chosen if one.size == size]
-        norms = [error_norms(one, test.windows, "position")[:, shown] for one in of_size]
+    for size in sorted({subset.size for subset in chosen}):
+        of_size = [forecasts[subset.name] for subset in chosen if subset.size == size]
+        norms = [error_norms(forecast, test.windows, "position")[:, shown] for forecast in of_size]
         yield Errors(name, size, np.stack(norms) / 1e3)
 
 
 def _amended(learner: Learner, chosen: list[Subset], scratch: Path) -> Predictors:
-    amend = {one.name: partial(learner.amended, one, BASE) for one in chosen}
-    return {name: PhysicsPredictor(one) for name, one in amended_simulators(amend, scratch).items()}
+    amend = {subset.name: partial(learner.amended, subset, BASE) for subset in chosen}
+    return {
+        name: PhysicsPredictor(simulator)
+        for name, simulator in amended_simulators(amend, scratch).items()
+    }
 
 
 def _trained(learner: Learner, chosen: list[Subset], network: str, scratch: Path) -> Predictors:
-    jobs = [learner.training(one, network, scratch / f"{network}-{one.name}") for one in chosen]
+    jobs = [
+        learner.training(subset, network, scratch / f"{network}-{subset.name}") for subset in chosen
+    ]
     results = train_networks(jobs)
     return {
-        subset.name: LearnedPredictor(one.network, one.spread)
-        for subset, one in zip(chosen, results, strict=True)
+        subset.name: LearnedPredictor(result.network, result.spread)
+        for subset, result in zip(chosen, results, strict=True)
     }
 
 
@@ -93,7 +98,7 @@ def _oracle(run: StageRun, chosen: list[Subset]) -> Predictors:
     truth = read_truth(path)
     if truth is None:
         raise InputError(path, "is missing; run `dvc repro ingest` with the arena")
-    return dict.fromkeys((one.name for one in chosen), PhysicsPredictor(truth.simulator))
+    return dict.fromkeys((subset.name for subset in chosen), PhysicsPredictor(truth.simulator))
 
 
 if __name__ == "__main__":

@@ -70,11 +70,13 @@ def _tables(
     tested: Mapping[str, Tested], settings: EvaluatePredictorSettings, seed: int
 ) -> dict[str, pd.DataFrame]:
     """Return the tables by the names of their files, at the horizons that are shown."""
-    found = {name: one.errors(settings, seed) for name, one in tested.items()}
+    results = {name: test.errors(settings, seed) for name, test in tested.items()}
     tables = {
-        "errors": {(name,): one.over_horizon() for name, one in found.items()},
-        "differences": {(name,): one.differences(list(COMPARED)) for name, one in found.items()},
-        "coverage": {(name,): one.coverage(settings, seed) for name, one in tested.items()},
+        "errors": {(name,): result.over_horizon() for name, result in results.items()},
+        "differences": {
+            (name,): result.differences(list(COMPARED)) for name, result in results.items()
+        },
+        "coverage": {(name,): test.coverage(settings, seed) for name, test in tested.items()},
     }
     return {name: _shown(parts) for name, parts in tables.items()}
 
@@ -87,13 +89,13 @@ def _shown(parts: Mapping[tuple[str], pd.DataFrame]) -> pd.DataFrame:
 
 def _folds(folder: Path, name: str) -> list[Fold]:
     episodes = read_recordings(folder, name).episodes()
-    recordings = np.array([one.recording_id for one in episodes])
+    recordings = np.array([episode.recording_id for episode in episodes])
     parts = list(zip(episodes, fold_numbers(name, recordings, FOLDS), strict=True))
     return [
         Fold(
             f"{name}-{number}",
-            [one for one, part in parts if part == number],
-            [one for one, part in parts if part != number],
+            [episode for episode, part in parts if part == number],
+            [episode for episode, part in parts if part != number],
         )
         for number in range(FOLDS)
     ]
@@ -121,7 +123,7 @@ def _adapted(folds: list[Fold], root: Path, params: Params, scratch: Path) -> di
 def _learned(trained: Predictors) -> Predictors:
     """Return the learned predictors that are tested, and ensembles of them."""
     ensembles = {
-        name: EnsemblePredictor([trained[one] for one in members])
+        name: EnsemblePredictor([trained[member] for member in members])
         for name, members in ENSEMBLES.items()
     }
     return {HYBRID: trained[HYBRID], TRANSFORMER: trained[TRANSFORMER], **ensembles}
@@ -150,7 +152,7 @@ def _fine_tuned(
     )
     jobs = [job for fold in folds for job in tuning.jobs(fold, physics[fold.name], scratch)]
     results: list[TrainingResult] = train_networks(jobs)
-    return {one.name: LearnedPredictor(one.network, one.spread) for one in results}
+    return {result.name: LearnedPredictor(result.network, result.spread) for result in results}
 
 
 if __name__ == "__main__":

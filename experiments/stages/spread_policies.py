@@ -46,9 +46,12 @@ BASELINE = "filtered"  # of the paired differences
 def spread_policies(run: StageRun) -> None:
     """Write return rates and paired differences."""
     sets = read_replay_sets(run.root / "artifacts", run.params.sim2real, run.seed)
-    predictors = {one.name: _predictors(run, one) for one in sets}
-    jobs = [TrainingJob(one, run.scratch(one.name)) for one in _descriptions(run.params)]
-    trained = [(one.policy, one.description) for one in train_policies(jobs)]
+    predictors = {shots.name: _predictors(run, shots) for shots in sets}
+    jobs = [
+        TrainingJob(description, run.scratch(description.name))
+        for description in _descriptions(run.params)
+    ]
+    trained = [(result.policy, result.description) for result in train_policies(jobs)]
     played = _played(sets, predictors, trained, run.seed)
     setting = ["set", "predictor"]
     run.publish(
@@ -97,16 +100,16 @@ def _played(
 ) -> pd.DataFrame:
     """Return one row a policy, shot and predictor; ``policy`` is the kind."""
     forecasters = {
-        name: [Forecaster(*named, spreads=True) for named in some.items()]
-        for name, some in predictors.items()
+        name: [Forecaster(*named, spreads=True) for named in members.items()]
+        for name, members in predictors.items()
     }
     tables = []
     for kind in KINDS:
-        own = [one for one in policies if one[1].group == kind]
+        own = [pair for pair in policies if pair[1].group == kind]
         trials = [
             trial.run
-            for one in sets
-            for trial in replay_trials(one, forecasters[one.name], own, seed)
+            for shots in sets
+            for trial in replay_trials(shots, forecasters[shots.name], own, seed)
         ]
         tables.append(joined(run_trials(trials)).assign(policy=kind))
     return pd.concat(tables, ignore_index=True)

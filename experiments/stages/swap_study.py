@@ -62,10 +62,10 @@ def _played(
 ) -> dict[str, pd.DataFrame]:
     """Return the trials of all experiments on all sets of the arena."""
     sets = read_replay_sets(root / "artifacts", params.sim2real, params.seed)
-    arena = [one for one in sets if source_of(one) == ARENA]
+    arena = [shots for shots in sets if source_of(shots) == ARENA]
     if not arena:
         raise InputError("params.yaml", "names no arena to replay", field="ingest.sources")
-    by_set = {one.name: _trials(root, one, trained, params) for one in arena}
+    by_set = {shots.name: _trials(root, shots, trained, params) for shots in arena}
     tables = {}
     for experiment in EXPERIMENTS:
         tasks = {}
@@ -85,20 +85,20 @@ def _trials(
     own, seed, predictors = params.sim2real.simulator, params.seed, _predictors(root, params, shots)
     original, again = (
         [
-            (one.policy, one.description)
-            for one in trained
-            if (one.description.simulator == own) is is_original
+            (result.policy, result.description)
+            for result in trained
+            if (result.description.simulator == own) is is_original
         ]
         for is_original in (True, False)
     )
     every_step = [Forecaster(*named) for named in predictors.items()]
     return {
-        "readings": [(one, {}) for one in reading_trials(shots, predictors, original, seed)],
+        "readings": [(trial, {}) for trial in reading_trials(shots, predictors, original, seed)],
         "mechanism": [
-            (one, setting.columns)
-            for setting, one in mechanism_trials(shots, predictors, original, seed)
+            (trial, setting.columns)
+            for setting, trial in mechanism_trials(shots, predictors, original, seed)
         ],
-        "retrained": [(one, {}) for one in replay_trials(shots, every_step, again, seed)],
+        "retrained": [(trial, {}) for trial in replay_trials(shots, every_step, again, seed)],
     }
 
 
@@ -106,7 +106,9 @@ def _predictors(root: Path, params: Params, shots: ReplaySet) -> Predictors:
     """Return all predictors of a set of the arena."""
     learned = list(read_trained(root / "artifacts" / "train_predictor"))
     plain = {PHYSICS: params.sim2real.simulator, "physics_literature": "literature"}
-    physics = {name: PhysicsPredictor(load_simulator(one)) for name, one in plain.items()}
+    physics = {
+        name: PhysicsPredictor(load_simulator(simulator)) for name, simulator in plain.items()
+    }
     return {**physics, **informed_predictors(shots, learned, amended_simulator(root, params))}
 
 

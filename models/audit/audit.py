@@ -230,8 +230,8 @@ def _fitted(flown: Flown, simulator: Simulator, parameters: Sequence[Hypothesis]
         before = flown.residuals(simulator).ravel()
         steps = np.linalg.lstsq(flown.slopes(simulator, parameters), -before, rcond=None)[0]
         values = {
-            (one.effect, one.parameter): one.value(simulator) + step
-            for one, step in zip(parameters, steps, strict=True)
+            (hypothesis.effect, hypothesis.parameter): hypothesis.value(simulator) + step
+            for hypothesis, step in zip(parameters, steps, strict=True)
         }
         trial = simulator.with_values(values)  # within their bounds
         gain = rms(before) - flown.rms(trial)

@@ -88,8 +88,8 @@ def plane(states: Floats, step: float, point: Floats, normal: Floats) -> Crossin
     return _between(states, k, side, step, gradient, float(states[k, VELOCITY] @ unit))
 
 
-def _first(places: Bools) -> int | None:
-    rows = np.flatnonzero(places)
+def _first(mask: Bools) -> int | None:
+    rows = np.flatnonzero(mask)
     return int(rows[0]) if len(rows) else None
 
 

@@ -222,9 +222,9 @@ def _at(ahead: Floats, values: Floats) -> Floats:
     """Return (T, K) values between those of (61, K), now and at ``FUTURE_TIMES``."""
     if ahead.max() > FUTURE_TIMES[-1] + TICK / 100 or ahead.min() < 0.0:
         raise ValueError(f"a forecast of {1e3 * ahead.max():.0f} ms; give 0 to 300 ms")
-    places = ahead / TICK
-    after = np.minimum(np.maximum(np.ceil(places).astype(int), 1), len(FUTURE_TIMES))
-    share = (places - after + 1)[:, None]
+    ticks = ahead / TICK
+    after = np.minimum(np.maximum(np.ceil(ticks).astype(int), 1), len(FUTURE_TIMES))
+    share = (ticks - after + 1)[:, None]
     return (1 - share) * values[after - 1] + share * values[after]
 
 

@@ -39,8 +39,8 @@ def exact(path: Floats, horizons: HorizonsMs, start: float = 0.0) -> Floats:
 def first_state(simulator: Simulator, launches: Floats, horizons: HorizonsMs) -> Floats:
     """Return the future as ``simulator`` flies the balls from their (B, 9) launches."""
     wanted = _forecast_times(horizons, 0.0)
-    times, places = np.unique(wanted.round(9), return_inverse=True)
-    return simulator.fly(launches, times).states[:, places.reshape(wanted.shape)]
+    times, indices = np.unique(wanted.round(9), return_inverse=True)
+    return simulator.fly(launches, times).states[:, indices.reshape(wanted.shape)]
 
 
 def re_anchored(simulator: Simulator, path: Floats, horizons: HorizonsMs) -> Floats:

@@ -64,16 +64,16 @@ class RelabellingReplayBuffer(ReplayBuffer):
     def _get_samples(
         self, batch_inds: Integers, env: VecNormalize | None = None
     ) -> ReplayBufferSamples:
-        places = batch_inds, np.random.randint(self.n_envs, size=len(batch_inds))
+        indices = batch_inds, np.random.randint(self.n_envs, size=len(batch_inds))
         random = np.random.default_rng(np.random.randint(2**31, size=4))
         goals = draw_goals(self._goals, len(batch_inds), random)
-        now, after = self.observations[places], self.next_observations[places]
+        now, after = self.observations[indices], self.next_observations[indices]
         now[:, self._columns] = after[:, self._columns] = goals.scaled()
-        strokes = self.strokes[places].astype(np.float64)
+        strokes = self.strokes[indices].astype(np.float64)
         landing, (speed, topspin, returned) = strokes[:, :2], strokes[:, 2:].T
         goal_rewards = goal_reward(landing, speed, topspin, returned == 1, goals, self._weights)
-        rewards = self.rewards[places] + np.nan_to_num(goal_rewards)
-        parts = (now, self.actions[places], after, _column(self.dones[places]), _column(rewards))
+        rewards = self.rewards[indices] + np.nan_to_num(goal_rewards)
+        parts = (now, self.actions[indices], after, _column(self.dones[indices]), _column(rewards))
         return ReplayBufferSamples(*(self.to_torch(part) for part in parts))
 
 

@@ -77,8 +77,8 @@ def draw_launches(simulator: Simulator, count: int, random: np.random.Generator)
 
 def draw_strokes(count: int, random: np.random.Generator) -> Floats:
     """Return (count, 9) launch states of the documented distribution, before rejection."""
-    places = (STRUCK_ACROSS, STRUCK_ALONG, STRUCK_HEIGHT, BOUNCE_ACROSS, BOUNCE_ALONG)
-    drawn = np.stack([random.uniform(*limits, size=count) for limits in places], axis=1)
+    ranges = (STRUCK_ACROSS, STRUCK_ALONG, STRUCK_HEIGHT, BOUNCE_ACROSS, BOUNCE_ALONG)
+    drawn = np.stack([random.uniform(*limits, size=count) for limits in ranges], axis=1)
     struck, targets = drawn[:, :3], drawn[:, 3:]
     speed = SPEED[0] * (SPEED[1] / SPEED[0]) ** random.random(count)
     spins = np.stack([random.uniform(*s, size=count) for s in (TOPSPIN, SIDESPIN, CORKSCREW)])
@@ -138,10 +138,10 @@ def _in_reach(paths: Floats, between: Floats) -> Bools:
         paths: true states at ``FLIGHT_TIMES``.
         between: (B, 2) s, bounce and end of play.
     """
-    places = paths[..., POSITION]
+    positions = paths[..., POSITION]
     travel = RACKET_SPEED * np.maximum(FLIGHT_TIMES - SLOW_START, 0.0)[:, None]
     lower = np.maximum(WORKSPACE[:, 0], RACKET_HOME - travel)
     upper = np.minimum(WORKSPACE[:, 1], RACKET_HOME + travel)
-    inside = ((lower <= places) & (places <= upper)).all(axis=2)
+    inside = ((lower <= positions) & (positions <= upper)).all(axis=2)
     bounced, gone = between[:, :1] < FLIGHT_TIMES, between[:, 1:] <= FLIGHT_TIMES
     return (inside & bounced & ~gone).any(axis=1)

@@ -63,10 +63,10 @@ class Calibration:
         counts = np.isfinite(distances).sum(axis=0)
         radii = np.full((len(LEVELS), distances.shape[1]), np.nan)
         for row, level in zip(radii, LEVELS, strict=True):
-            places = np.ceil((counts + 1) * level).astype(int) - 1
-            enough = (counts > 0) & (places < counts)
+            indices = np.ceil((counts + 1) * level).astype(int) - 1
+            enough = (counts > 0) & (indices < counts)
             columns = np.flatnonzero(enough)
-            row[columns] = distances[places[columns], columns]
+            row[columns] = distances[indices[columns], columns]
         return cls(radii)
 
     def covered(self, errors: Errors) -> Floats:

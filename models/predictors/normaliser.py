@@ -142,8 +142,8 @@ def _median(values: Tensor, known: Tensor) -> Tensor:
     """Return the (B, 3) median over the known rows of (B, N, 3); zero without any."""
     ordered = torch.where(known, values, torch.inf).sort(dim=1).values
     count = known.sum(dim=1, keepdim=True)
-    places = (count - 1) // 2, count // 2
-    lower, upper = (ordered.gather(1, place.clamp(min=0)) for place in places)
+    indices = (count - 1) // 2, count // 2
+    lower, upper = (ordered.gather(1, index.clamp(min=0)) for index in indices)
     return torch.where(count > 0, (lower + upper) / 2, 0.0).squeeze(1)
 
 

@@ -47,7 +47,7 @@ def _covariances(flown: Floats, now: Floats, ahead: Floats, growth: Floats) -> F
     """Return (B, T, C, C) covariances of (B, 19, T, 9) probes, from (B, 9, 9) now."""
     balls, _, times, size = flown.shape
     count = growth.shape[1]
-    found = np.empty((balls, times, count, count))
+    covariances = np.empty((balls, times, count, count))
     slopes, half = np.empty((count, size)), np.empty((count, size))
     for b in range(balls):
         for t in range(times):
@@ -57,10 +57,10 @@ def _covariances(flown: Floats, now: Floats, ahead: Floats, growth: Floats) -> F
                     slopes[i, j] = change / (2 * STEPS[j])
             span = max(ahead[t], 0.0)
             _multiply(slopes, now[b], half)
-            _multiply(half, slopes.T, found[b, t])
+            _multiply(half, slopes.T, covariances[b, t])
             for k in range(3):
-                found[b, t] += growth[k] * span ** (k + 1)
-    return found
+                covariances[b, t] += growth[k] * span ** (k + 1)
+    return covariances
 
 
 @compiled

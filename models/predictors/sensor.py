@@ -62,16 +62,16 @@ class Sensor:
         """Return a history of true positions and spins."""
         if self.exact:
             return history
-        places, labels = history.states[..., :3], history.states[..., 3:]
-        true = np.concatenate([self.true_positions(places), self.true_spins(labels)], axis=-1)
+        positions, labels = history.states[..., :3], history.states[..., 3:]
+        true = np.concatenate([self.true_positions(positions), self.true_spins(labels)], axis=-1)
         return History(np.where(history.mask, true, 0.0), history.mask)
 
     def measured_states(self, states: Floats) -> Floats:
         """Return (..., 9) states as the sensor would measure them."""
         if self.exact:
             return states
-        places = states[..., POSITION]
-        both = np.stack([places, places + MOMENT * states[..., VELOCITY]])
+        positions = states[..., POSITION]
+        both = np.stack([positions, positions + MOMENT * states[..., VELOCITY]])
         now, ahead = measured_positions(self.simulator, both)
         velocities = (ahead - now) / (MOMENT * self.clock)
         return np.concatenate([now, velocities, states[..., SPIN] @ self._labels], axis=-1)

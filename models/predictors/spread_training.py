@@ -27,8 +27,8 @@ def fit_spread(network: ForecastNetwork, tracks: Tracks, seed: int) -> Spread:
     """Return the spread of a trained network's errors on windows of training tracks."""
     torch.manual_seed(seed)
     spread, random = Spread(), np.random.default_rng(seed)
-    some = tracks.draw_anchors(random.integers(0, tracks.episodes, FIRST_FIT), random)
-    window = tracks.windows(some)
+    first_anchors = tracks.draw_anchors(random.integers(0, tracks.episodes, FIRST_FIT), random)
+    window = tracks.windows(first_anchors)
     errors, known = _errors(network, window, network.baseline(*window[:2]))
     sizes = torch.where(known[..., None], errors.abs(), torch.nan).nanmedian(dim=0).values
     spread.sizes.copy_(NORMAL_SPREAD * sizes.nan_to_num(1.0).clamp(min=LEAST_SIZE))

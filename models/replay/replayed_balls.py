@@ -91,8 +91,8 @@ def reachable(path: Floats, playable: Floats) -> Bools:
         path: (B, N, 9) as in ``IncomingBalls``.
         playable: (B, 2) as in ``IncomingBalls``.
     """
-    places = path[..., POSITION]
-    inside = ((WORKSPACE[:, 0] <= places) & (places <= WORKSPACE[:, 1])).all(axis=2)
+    positions = path[..., POSITION]
+    inside = ((WORKSPACE[:, 0] <= positions) & (positions <= WORKSPACE[:, 1])).all(axis=2)
     in_time = (playable[:, :1] < PATH_TIMES) & (playable[:, 1:] > PATH_TIMES)
     return np.any(inside & in_time, axis=1)
 
@@ -171,11 +171,11 @@ def anchored(
     for first in range(0, len(steps), every or len(steps)):
         served = slice(first, first + (every or len(steps)))
         wanted = steps[served, None] - steps[first] + np.array(horizons) / 1000
-        times, places = np.unique(wanted.round(9), return_inverse=True)
+        times, indices = np.unique(wanted.round(9), return_inverse=True)
         rows = histories.latest[:, first]
         history = History(histories.history.states[rows], histories.history.mask[rows])
         forecast = forecast_at(predictor, history, histories.age[:, first, None] + times)
-        states[:, served] = forecast[:, places.reshape(wanted.shape)]
+        states[:, served] = forecast[:, indices.reshape(wanted.shape)]
     return states
 
 

@@ -29,10 +29,10 @@ def urdf() -> str:
 def inertia(solids: Sequence[Solid]) -> tuple[float, Floats, Floats]:
     """Return mass (kg), centre of mass (3,) m and inertia (3, 3) kg m^2 about it, link axes."""
     masses = np.array([solid.mass for solid in solids])
-    places = np.array([solid.position for solid in solids], dtype=np.float64)
-    centre = masses @ places / masses.sum()
+    positions = np.array([solid.position for solid in solids], dtype=np.float64)
+    centre = masses @ positions / masses.sum()
     total = np.zeros((3, 3))
-    for solid, offset in zip(solids, places - centre, strict=True):
+    for solid, offset in zip(solids, positions - centre, strict=True):
         c, s = np.cos(solid.pitch), np.sin(solid.pitch)
         rotation = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
         central = rotation @ np.diag(_principal(solid)) @ rotation.T

@@ -61,8 +61,8 @@ def catalogue_page(_: Path) -> str:
         rows = [_effect_row(effect, param) for effect in effects for param in effect.parameters]
         parts.append(f"## {title}\n\n{markdown_table([*head, 'source'], rows)}\n")
     rows = [
-        [f"`{one.name}`", one.acts, one.meaning, f"{one.start:g}", str(one.size)]
-        for one in QUANTITIES
+        [f"`{entry.name}`", entry.acts, entry.meaning, f"{entry.start:g}", str(entry.size)]
+        for entry in QUANTITIES
     ]
     names = ["quantity", "acts in", "meaning", "start", "components"]
     return "\n".join([*parts, f"{QUANTITIES_HEAD}\n{markdown_table(names, rows)}"])

@@ -67,13 +67,13 @@ def _stated(engine: Engine, audit: Audit) -> Comparison:
 
 
 def _write(name: str, audit: Audit, scene: Comparison, comparison: Comparison, out: Path) -> None:
-    found = traps(audit)
-    content = audit_content(name, audit, found) | {**scene.content, **comparison.content}
+    all_traps = traps(audit)
+    content = audit_content(name, audit, all_traps) | {**scene.content, **comparison.content}
     simulator = simulator_yaml(audit.simulator)
     tables = {"effects": effects_table(audit), **scene.tables, **comparison.tables}
     page = {
         "name": name,
-        "traps": [with_cost(trap.sentence, trap.cost_mm) for trap in found],
+        "traps": [with_cost(trap.sentence, trap.cost_mm) for trap in all_traps],
         "outcome": [*outcome(name, audit, ()), *comparison.sentences],
         "notes": scene.sentences,
         "simulator": simulator,

@@ -58,7 +58,7 @@ def compared(audit: Audit, other: Engine) -> Comparison:
     listed = ", ".join(f"{name} {first} and {second}" for name, first, second in rows)
     content = {
         "engine": other.name,
-        "effects": {one.hypothesis.identity: float(number(one.value)) for one in effects},
+        "effects": {effect.hypothesis.identity: float(number(effect.value)) for effect in effects},
         "flight_mm": float(flight),
         "bounce_mm": float(bounce),
     }

@@ -35,8 +35,8 @@ def forecast_windows(
     ]
     batches = list(parallel(tasks, f"forecasts on {measured.name}"))
     return {
-        one.name: concatenated(batches[k * len(starts) : (k + 1) * len(starts)])
-        for k, one in enumerate(predictors)
+        predictor.name: concatenated(batches[k * len(starts) : (k + 1) * len(starts)])
+        for k, predictor in enumerate(predictors)
     }
 
 
@@ -85,8 +85,8 @@ def draw_shots(
     for measured in sets:
         cuts = [(episode, cut_windows(episode.episode, every=1.0)) for episode in measured.episodes]
         usable = [(episode, cut) for episode, cut in cuts if len(cut)]
-        some = [usable[k] for k in generator.permutation(len(usable))[:MOST_SHOTS]]
-        shown = [(_shot(episode, cut, predictors), cut) for episode, cut in some]
+        pairs = [usable[k] for k in generator.permutation(len(usable))[:MOST_SHOTS]]
+        shown = [(_shot(episode, cut, predictors), cut) for episode, cut in pairs]
         drawn.append(typical_first([shot for shot, _ in shown], [cut for _, cut in shown]))
     turns = [shot for turn in zip_longest(*drawn) for shot in turn if shot is not None]
     return turns[:MOST_SHOTS]
@@ -113,7 +113,7 @@ def _last_errors(shot: Shot, cut: Windows) -> list[float]:
     """Return the error of each predictor at the last measured state of the first window."""
     last = int(np.flatnonzero(cut.measured[0, :, 0])[-1])
     true = cut.future[0, last, :3]
-    away = [np.linalg.norm(one.position[last] - true) for one in shot.forecasts.values()]
+    away = [np.linalg.norm(forecast.position[last] - true) for forecast in shot.forecasts.values()]
     return [max(float(size), SMALLEST) for size in away]
 
 

@@ -75,19 +75,19 @@ def _physics(settings: EvaluatePredictorSettings) -> Iterator[NamedPredictor]:
 
 
 def _amended(folder: Path) -> Iterator[NamedPredictor]:
-    for one in read_amended(folder):
-        effects = one.simulator.effects
-        variants = {"": one.simulator}
+    for amendment in read_amended(folder):
+        effects = amendment.simulator.effects
+        variants = {"": amendment.simulator}
         if "net" in effects:
             rest = {name: values for name, values in effects.items() if name != "net"}
             variants["_without_net"] = Simulator(rest)
         for suffix, simulator in variants.items():
             yield NamedPredictor(
-                f"{AMENDED}_{one.base}{suffix}",
+                f"{AMENDED}_{amendment.base}{suffix}",
                 PhysicsPredictor(simulator),
                 AMENDED,
-                simulator=f"{one.base}, amended{suffix.replace('_', ' ')}",
-                trained_on=(one.source,),
+                simulator=f"{amendment.base}, amended{suffix.replace('_', ' ')}",
+                trained_on=(amendment.source,),
             )
 
 
@@ -104,7 +104,7 @@ def read_learned(folder: Path, names: Sequence[str]) -> list[NamedPredictor]:
     Raises:
         InputError: one is missing or invalid.
     """
-    trained = {one.name: one for one in read_trained(folder)}
+    trained = {predictor.name: predictor for predictor in read_trained(folder)}
     for name in names:
         if name not in trained:
             problem = f"no predictor {name} was trained; there are {', '.join(trained)}"

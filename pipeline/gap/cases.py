@@ -76,13 +76,15 @@ def cases(
     Raises:
         InputError: a simulator cannot be used.
     """
-    simulators = {name: nominal_simulator(one, name) for name, one in settings.simulators.items()}
-    for source, found in shots.items():
+    simulators = {
+        name: nominal_simulator(entry, name) for name, entry in settings.simulators.items()
+    }
+    for source, pool in shots.items():
         for name, simulator in simulators.items():
             for split in range(settings.splits):
                 random = np.random.default_rng([seed, split, *source.encode()])
-                chosen = drawn(found.members, settings.shots, random)
-                yield Case(source, name, split, simulator, chosen, found.nets, settings.level)
+                chosen = drawn(pool.members, settings.shots, random)
+                yield Case(source, name, split, simulator, chosen, pool.nets, settings.level)
 
 
 def nominal_simulator(settings: ComparedSimulatorSettings, name: str) -> Simulator:

@@ -151,20 +151,20 @@ def draw_departure(
     return high
 
 
-def camera_figure(verdict: Verdict, places: Floats) -> ReportFigure:
+def camera_figure(verdict: Verdict, positions: Floats) -> ReportFigure:
     """Draw the cameras' error on horizontal slices, where balls were measured.
 
     Args:
         verdict: with an error of the cameras.
-        places: (N, 3) m, where balls were measured.
+        positions: (N, 3) m, where balls were measured.
     """
-    lowest, highest = np.quantile(places, [OUTERMOST, 1 - OUTERMOST], axis=0)
+    lowest, highest = np.quantile(positions, [OUTERMOST, 1 - OUTERMOST], axis=0)
     across, along = (
         np.arange(np.floor(low / STEP), np.ceil(high / STEP) + 1) * STEP
         for low, high in zip(lowest[:2], highest[:2], strict=True)
     )
     slices = np.stack(np.meshgrid(across, along, HEIGHTS), axis=-1)  # (Y, X, heights, 3)
-    far = np.asarray(cKDTree(places).query(slices)[0]) > NEAR
+    far = np.asarray(cKDTree(positions).query(slices)[0]) > NEAR
     errors = np.where(far[..., None], np.nan, 1e3 * position_errors(verdict, slices))
     # The height in inches at which the maps fill the figure's width.
     ratio = (np.ptp(along) + 2 * STEP) / (np.ptp(across) + 2 * STEP)
@@ -190,14 +190,14 @@ def camera_figure(verdict: Verdict, places: Floats) -> ReportFigure:
     )
 
 
-def position_errors(verdict: Verdict, places: Floats) -> Floats:
+def position_errors(verdict: Verdict, positions: Floats) -> Floats:
     """Return (..., 3) m by how much the cameras of a verdict misplace balls; zero without any."""
     sizes = [cause.estimate for cause in verdict.causes if cause.effect == CAMERA]
     if verdict.camera is None or not sizes:
-        return np.zeros_like(places)
+        return np.zeros_like(positions)
     nodes = [list(row) for row in verdict.camera.nodes]
     camera = {"amplitude": sizes[0], "length": verdict.camera.length, "nodes": nodes}
-    return measured_positions(Simulator.from_dict({CAMERA: camera}), places) - places
+    return measured_positions(Simulator.from_dict({CAMERA: camera}), positions) - positions
 
 
 def _draw_slice(
@@ -276,16 +276,16 @@ def growth_figure(located: Located) -> ReportFigure:
     figure = Figure(figsize=(FIGURE_WIDTH, GROWTH_HEIGHT))
     grid = figure.subplots(len(DIRECTIONS), len(shown), squeeze=False, sharey=True, sharex="col")
     for column, growth in enumerate(shown):
-        places = range(len(growth.kinds)) if growth.kinds else growth.centres
+        positions = range(len(growth.kinds)) if growth.kinds else growth.centres
         for row, colour in enumerate(DIRECTIONS.values()):
-            _draw_growth(grid[row, column], growth, places, row, colour)
+            _draw_growth(grid[row, column], growth, positions, row, colour)
         title = f"share {percent(growth.share)}, {p_text(growth.p_value)}"
         grid[0, column].set_title(title, loc="left", fontsize=8)
         unit = f" ({growth.unit})" if growth.unit else ""
         grid[-1, column].set_xlabel(f"{growth.covariate}{unit}")
         if growth.kinds:
             names = [name.replace(" ", "\n") for name in growth.kinds]
-            grid[-1, column].set_xticks(places, names, fontsize=7)
+            grid[-1, column].set_xticks(positions, names, fontsize=7)
         else:
             grid[-1, column].locator_params(axis="x", nbins=4)
     for row, direction in enumerate(DIRECTIONS):
@@ -304,11 +304,11 @@ def growth_figure(located: Located) -> ReportFigure:
 
 
 def _draw_growth(
-    axes: Axes, growth: Growth, places: Sequence[float] | Floats, direction: int, colour: str
+    axes: Axes, growth: Growth, positions: Sequence[float] | Floats, direction: int, colour: str
 ) -> None:
     axes.axhline(0, color=INK, lw=1)
     axes.errorbar(
-        places,
+        positions,
         1000 * growth.means[:, direction],
         1000 * growth.margins[:, direction],
         fmt="o" if growth.kinds else "o-",

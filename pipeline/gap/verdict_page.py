@@ -83,10 +83,10 @@ def _tables(verdict: Verdict) -> dict[str, Any]:
         },
         "minor": {"parameter": [cause.identity for cause in minor], **_sizes(minor)},
         "growth": {
-            "covariate": [one.covariate for one in growth],
-            "bins ": [str(len(one.centres)) for one in growth],
-            "share of the variance ": [percent(one.share) for one in growth],
-            "p ": [_p_cell(one.p_value) for one in growth],
+            "covariate": [trend.covariate for trend in growth],
+            "bins ": [str(len(trend.centres)) for trend in growth],
+            "share of the variance ": [percent(trend.share) for trend in growth],
+            "p ": [_p_cell(trend.p_value) for trend in growth],
         },
     }
     return {
@@ -118,8 +118,8 @@ def _errors(gap: Gap) -> dict[str, list[str]]:
         for horizon, *sizes in errors
     ]
     if gap.landing:
-        places, times = zip(*gap.landing.sizes, strict=True)
-        rows.append(("landing position", *(f"{size:.1f} mm" for size in places)))
+        distances, times = zip(*gap.landing.sizes, strict=True)
+        rows.append(("landing position", *(f"{size:.1f} mm" for size in distances)))
         rows.append(("landing time", *(f"{size:.2f} ms" for size in times)))
     names = ("prediction of", "nominal ", "amended ", "floor ")
     return dict(zip(names, map(list, zip(*rows, strict=True)), strict=True))

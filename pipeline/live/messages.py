@@ -159,10 +159,10 @@ def measurements(parts: Iterable[pd.DataFrame]) -> Iterator[Measurement]:
         for _, rows in part.groupby("recording_id", sort=False):
             times = rows["t"].to_numpy(dtype=np.float64)
             times = now + times - times[0]
-            places = rows[POSITION_COLUMNS].to_numpy(dtype=np.float64)
+            positions = rows[POSITION_COLUMNS].to_numpy(dtype=np.float64)
             spins = rows[SPIN_COLUMNS].to_numpy(dtype=np.float64)
-            for t, place, spin in zip(times.tolist(), places, spins, strict=True):
-                yield Measurement(number, t, place, spin if np.isfinite(spin).all() else None)
+            for t, position, spin in zip(times.tolist(), positions, spins, strict=True):
+                yield Measurement(number, t, position, spin if np.isfinite(spin).all() else None)
                 number += 1
             now = float(times[-1]) + PAUSE
 

@@ -49,7 +49,7 @@ class Watch:
             return
         if seen == "new ball":
             if len(self._rows) >= LEAST:
-                in_order = sorted(self._rows, key=lambda one: one[0])
+                in_order = sorted(self._rows, key=lambda sample: sample[0])
                 times, positions, spins = map(np.array, zip(*in_order, strict=True))
                 self._pending.append(self._worker.submit(_add, (times, positions, spins)))
             first = zip(ball.times, ball.positions.copy(), ball.spins.copy(), strict=True)

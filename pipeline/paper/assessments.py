@@ -106,8 +106,8 @@ def within(ours: Interval, low: float, high: float) -> str:
 
 def combined(parts: Iterable[str]) -> str:
     """Return the assessment of a claim from the assessments of its parts."""
-    found = set(parts)
+    words = set(parts)
     for word in (FAILS, NOT_MEASURED, OPEN, NOT_COMPARABLE):
-        if word in found:
+        if word in words:
             return word
-    return HOLDS if found else NOT_MEASURED
+    return HOLDS if words else NOT_MEASURED

@@ -58,12 +58,12 @@ class Group(NamedTuple):
         Raises:
             InputError: a report is broken, or a parameter of a kept run is.
         """
-        found = [(value, _find(value, run)) for value in self.values]
+        pairs = [(value, _find(value, run)) for value in self.values]
         if not self.needs or run.param(self.needs) is not None:
-            return found
+            return pairs
         return [
             (value, ours if ours.value is None else ours._replace(assessment=NOT_COMPARABLE))
-            for value, ours in found
+            for value, ours in pairs
         ]
 
 
@@ -89,7 +89,9 @@ class Exhibit(NamedTuple):
         if not self.claims:
             return NO_NUMBER
         claims = [group for group in groups() if group.id in self.claims]
-        return combined(found.assessment for group in claims for _, found in group.findings(run))
+        return combined(
+            finding.assessment for group in claims for _, finding in group.findings(run)
+        )
 
 
 @cache
@@ -110,23 +112,23 @@ def compare(run: Reports) -> dict[str, Finding]:
     Raises:
         InputError: a report or a recorded parameter is broken.
     """
-    return {value.id: found for group in groups() for value, found in group.findings(run)}
+    return {value.id: finding for group in groups() for value, finding in group.findings(run)}
 
 
 def _find(value: Value, run: Reports) -> Finding:
     try:
-        found = READERS[value.source](value, run)
+        finding = READERS[value.source](value, run)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         problem = f"cannot be compared: {error}; run the stage again"
         raise InputError(run.written_in, problem, field=value.ours) from None
-    if found is None:
+    if finding is None:
         return Finding(NO_NUMBER if value.rule == "quoted" else NOT_MEASURED, shown=NOTHING)
-    shown = with_unit(found.value, value.unit)
-    if found.interval is not None:
-        ours, low, high = map(number, found.interval)
+    shown = with_unit(finding.value, value.unit)
+    if finding.interval is not None:
+        ours, low, high = map(number, finding.interval)
         shown = f"{ours} ({low} to {high}) {value.unit}".strip()
-    return found._replace(
-        assessment=found.assessment or _assessment(value, found), shown=found.shown or shown
+    return finding._replace(
+        assessment=finding.assessment or _assessment(value, finding), shown=finding.shown or shown
     )
 
 

@@ -41,10 +41,10 @@ def paper_page(root: Path) -> str:
         InputError: a report is broken, or a kept run is missing.
     """
     runs = compared_runs(root)
-    found = {name: compare(run) for name, run in runs.items()}
+    findings = {name: compare(run) for name, run in runs.items()}
     meanings = [[f"*{word}*", meaning] for word, meaning in MEANINGS.items()]
     parts = [PREAMBLE, _section("Assessments", "", ["assessment", "meaning"], meanings)]
-    parts += [_exhibits(runs), *(_group(group, found) for group in groups())]
+    parts += [_exhibits(runs), *(_group(group, findings) for group in groups())]
     return "\n".join(parts).rstrip()
 
 
@@ -74,9 +74,9 @@ def _exhibits(runs: Mapping[str, Reports]) -> str:
     return _section("Figures and tables", about, names, rows)
 
 
-def _group(group: Group, found: Mapping[str, Mapping[str, Finding]]) -> str:
+def _group(group: Group, all_findings: Mapping[str, Mapping[str, Finding]]) -> str:
     stages = [value.stage for value in group.values]
-    runs = {name: findings for name, findings in found.items() if _is_shown(name, stages)}
+    runs = {name: findings for name, findings in all_findings.items() if _is_shown(name, stages)}
     rows = []
     for value in group.values:
         stage = f"`{value.stage}`: " if value.stage else ""

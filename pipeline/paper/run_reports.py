@@ -32,10 +32,10 @@ class Reports:
 
     def param(self, path: str) -> Any:
         """Return a parameter by its path, such as ``sim2sim.episodes``; ``None`` without it."""
-        found: Any = self.params
+        value: Any = self.params
         for key in path.split("."):
-            found = found.get(key) if isinstance(found, Mapping) else None
-        return found
+            value = value.get(key) if isinstance(value, Mapping) else None
+        return value
 
     def table(self, file: str, keys: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
         """Return a table of the reports, empty if it or one of these columns does not exist.

@@ -33,33 +33,33 @@ def _table(value: Value, run: Reports, argument: str = "") -> Finding | None:
     """Return a number of a table of the reports, from the row that the argument names."""
     file, column = value.ours.split(": ")
     where = dict(part.split("=") for part in (argument or value.argument).split("; "))
-    found = run.numbers(file, [column, *value.ends.split()], **where)
-    if found is None:
+    cells = run.numbers(file, [column, *value.ends.split()], **where)
+    if cells is None:
         return None
-    ours, *ends = (value.scale * (each + value.offset) for each in found[:3])
+    ours, *ends = (value.scale * (cell + value.offset) for cell in cells[:3])
     if not ends:
         return Finding(value=ours)
     interval = Interval(ours, *ends)
-    if len(found) == 3:
+    if len(cells) == 3:
         return Finding(value=ours, interval=interval)
-    counts = f"{round(found[3], 1):g} of {found[4]:.0f}"
+    counts = f"{round(cells[3], 1):g} of {cells[4]:.0f}"
     shown = f"{counts}: {number(ours)} % ({interval.low:.0f} to {interval.high:.0f})"
     return Finding("", ours, interval, shown)
 
 
 def _difference(value: Value, run: Reports) -> Finding | None:
     """Return one number of a table minus another that is independent of it."""
-    found = [_table(value, run, argument) for argument in (value.argument, value.minus)]
-    ends = [each.interval for each in found if each is not None and each.interval is not None]
-    if len(ends) < len(found):
+    terms = [_table(value, run, argument) for argument in (value.argument, value.minus)]
+    ends = [term.interval for term in terms if term is not None and term.interval is not None]
+    if len(ends) < len(terms):
         return None
     interval = Interval(*(round(end, DIGITS) + 0.0 for end in difference(*ends)))  # no -0
     return Finding(value=interval.value, interval=interval)
 
 
 def _parameter(value: Value, run: Reports) -> Finding | None:
-    found = run.param(value.ours.removeprefix("params.yaml: "))
-    return None if found is None else Finding(value=value.scale * float(found))
+    setting = run.param(value.ours.removeprefix("params.yaml: "))
+    return None if setting is None else Finding(value=value.scale * float(setting))
 
 
 def _constant(value: Value, run: Reports) -> Finding | None:
@@ -81,11 +81,11 @@ def _error(value: Value, run: Reports) -> Finding | None:
     The number is the difference at the last horizon in percent of the rival's error.
     """
     quantity, rival = value.argument.split()
-    found = [_error_difference(run, quantity, rival, horizon) for horizon in HORIZONS_MS]
+    pairs = [_error_difference(run, quantity, rival, horizon) for horizon in HORIZONS_MS]
     keys = {"predictor": rival, "quantity": quantity, "horizon_ms": HORIZONS_MS[-1], **CASE}
     last = run.numbers(ERRORS, ["mean"], **keys)
-    known = [each for each in found if each is not None]
-    if len(known) < len(found) or last is None:
+    known = [pair for pair in pairs if pair is not None]
+    if len(known) < len(pairs) or last is None:
         return None
     word = combined(claim(interval, grows=False) for interval, _ in known)
     if word == HOLDS and min(lower for _, lower in known) < 1:
@@ -104,9 +104,9 @@ def _error_difference(
     at: dict[str, str | int] = {"set": SET, "quantity": quantity, "horizon_ms": horizon}
     names = ["mean", "ci_low", "ci_high", "lower_share"]
     for first, second, sign in ((LEARNED, rival, 1), (rival, LEARNED, -1)):
-        found = run.numbers(DIFFERENCES, names, predictor=first, other=second, **at)
-        if found is not None:
-            *interval, lower = found
+        numbers = run.numbers(DIFFERENCES, names, predictor=first, other=second, **at)
+        if numbers is not None:
+            *interval, lower = numbers
             return Interval(*interval).times(sign), lower if sign > 0 else 1 - lower
     return None
 
@@ -128,8 +128,8 @@ def _spread(value: Value, run: Reports) -> Finding | None:
 
 
 def _computed(value: Value, run: Reports) -> Finding | None:
-    found = COMPUTED[value.argument](run)
-    return None if found is None else Finding(value=found)
+    result = COMPUTED[value.argument](run)
+    return None if result is None else Finding(value=result)
 
 
 def _episodes(run: Reports, column: str = "", values: Collection[str] = ()) -> float | None:
@@ -157,8 +157,8 @@ def _training(run: Reports, key: str, missing: str, present: str = "") -> float 
     training = run.param(TRAINING)
     if training is None:
         return None
-    found = training.get(key)
-    return missing if found is None else present or found
+    setting = training.get(key)
+    return missing if setting is None else present or setting
 
 
 def _decoder(run: Reports, *, placeholders: bool = False) -> float | str | None:
@@ -174,8 +174,8 @@ def _decoder(run: Reports, *, placeholders: bool = False) -> float | str | None:
 
 
 def _horizons(run: Reports, index: int) -> str | None:
-    found = run.param(HORIZONS)
-    return ", ".join(map(str, found[index])) if found and len(found) > index else None
+    horizons = run.param(HORIZONS)
+    return ", ".join(map(str, horizons[index])) if horizons and len(horizons) > index else None
 
 
 COMPUTED: Mapping[str, Callable[[Reports], float | str | None]] = {

@@ -101,7 +101,8 @@ def play_test_shots(
     """
     recorded = [record, *[0] * (len(results) - 1)]
     tasks = [
-        partial(_test, one, shots, count) for one, count in zip(results, recorded, strict=True)
+        partial(_test, result, shots, count)
+        for result, count in zip(results, recorded, strict=True)
     ]
     return list(parallel(tasks))
 
@@ -147,10 +148,10 @@ def _train(
         live.log(rates, steps)
 
 
-def _test(one: TrainingResult, shots: int, record: int) -> TrialResult:
-    stream = evaluation_stream(one.description.seed)
-    played = _play(one.policy, one.description, shots, stream, record)
-    labels = one.description.labels
+def _test(result: TrainingResult, shots: int, record: int) -> TrialResult:
+    stream = evaluation_stream(result.description.seed)
+    played = _play(result.policy, result.description, shots, stream, record)
+    labels = result.description.labels
     return replace(played, table=played.table.assign(**labels, ball=np.arange(shots)))
 
 

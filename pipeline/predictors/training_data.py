@@ -33,7 +33,7 @@ class TrainingEpisodes:
         self.seed, self.path = seed, artifacts / "segment" / "episodes.parquet"
         manifest = read_manifest(artifacts / "ingest" / "manifest.json")
         episodes = read_episodes(artifacts / "segment", manifest.labelled_once, SPLITS)
-        self.episodes: list[MeasuredEpisode] = [one for one in episodes if one.unbroken]
+        self.episodes: list[MeasuredEpisode] = [episode for episode in episodes if episode.unbroken]
 
     def window_data(
         self,
@@ -48,11 +48,15 @@ class TrainingEpisodes:
         """
         tracks = {}
         for split in SPLITS:
-            chosen = [one for one in self.episodes if one.split == split and one.source in sources]
+            chosen = [
+                episode
+                for episode in self.episodes
+                if episode.split == split and episode.source in sources
+            ]
             if split == TRAIN and recordings is not None:
-                chosen = [one for one in chosen if one.recording_id in recordings]
+                chosen = [episode for episode in chosen if episode.recording_id in recordings]
             try:
-                tracks[split] = build_tracks([one.episode for one in chosen])
+                tracks[split] = build_tracks([member.episode for member in chosen])
             except ValueError as error:
                 problem = f"{error}: split {split} of {', '.join(sources)}"
                 raise InputError(self.path, problem) from None

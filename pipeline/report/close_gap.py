@@ -209,12 +209,12 @@ def stability_table(verdicts: Sequence[CaseVerdict]) -> pd.DataFrame:
     """
     causes = cause_table(verdicts).query("role == 'leading'")
     estimates = causes.groupby([*CASE[:2], "cause", "unit"], sort=False)["estimate"]
-    found = estimates.agg(["size", "mean", "min", "max"]).reset_index()
-    found.columns = [*found.columns[:4], "found", "estimate", "lowest", "highest"]
+    summary = estimates.agg(["size", "mean", "min", "max"]).reset_index()
+    summary.columns = [*summary.columns[:4], "found", "estimate", "lowest", "highest"]
     cases = verdict_table(verdicts).groupby(CASE[:2], sort=False)["verdict"]
     counted = cases.agg(verdicts=_counted, splits="size").reset_index()
     columns = ["verdicts", "cause", "unit", "found", "splits", "estimate", "lowest", "highest"]
-    return counted.merge(found, "left", on=CASE[:2])[[*CASE[:2], *columns]]
+    return counted.merge(summary, "left", on=CASE[:2])[[*CASE[:2], *columns]]
 
 
 def _counted(words: pd.Series) -> str:

@@ -59,8 +59,8 @@ def _group(group: Group, run: Reports) -> dict[str, Any]:
         "title": group.title,
         "about": group.about,
         "scale": scale,
-        "rows": [(value, found, mark(group, value, found)) for value, found in findings],
-        "counts": Counter(found.assessment for _, found in findings),
+        "rows": [(value, finding, mark(group, value, finding)) for value, finding in findings],
+        "counts": Counter(finding.assessment for _, finding in findings),
         "stages": list(dict.fromkeys(value.stage for value in group.values if value.stage)),
     }
 

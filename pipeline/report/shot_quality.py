@@ -145,16 +145,16 @@ def medians_figure(table: pd.DataFrame, metrics: dict[str, str]) -> Figure:
     predictors = sorted(
         table["predictor"].unique(), key=lambda name: (name != "physics", predictor_order(name))
     )
-    places = {pair: place for place, pair in enumerate(product(predictors, horizons))}
-    width = BARS / len(places)
+    indices = {pair: index for index, pair in enumerate(product(predictors, horizons))}
+    width = BARS / len(indices)
     figure = Figure(figsize=(FIGURE_WIDTH, 1.0 + 1.75 * len(metrics)))
     grid = figure.subplots(len(metrics), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (column, title) in zip(grid, metrics.items(), strict=True):
         for row in table[table[column].notna()].to_dict("records"):
-            place = places[row["predictor"], row["horizons_ms"]]
+            index = indices[row["predictor"], row["horizons_ms"]]
             median, low, high = row[column], row[f"{column}_low"], row[f"{column}_high"]
             axes.bar(
-                sets.index(row["set"]) - BARS / 2 + (place + 0.5) * width, median, 0.9 * width,
+                sets.index(row["set"]) - BARS / 2 + (index + 0.5) * width, median, 0.9 * width,
                 color=physics_colour(row["predictor"]), edgecolor="white", linewidth=0.0,
                 hatch=hatches[row["horizons_ms"]],
                 yerr=[[max(median - low, 0)], [max(high - median, 0)]],

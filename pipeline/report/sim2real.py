@@ -140,7 +140,7 @@ def paper_form_table(table: pd.DataFrame, learned: Sequence[str]) -> pd.DataFram
     horizons = list(table["horizons_ms"].unique())
     rows = []
     for name, members in every_step.groupby("set", sort=False):
-        rows += [_row(members, str(name), one) for one in learned]
+        rows += [_row(members, str(name), predictor) for predictor in learned]
         if name in printed_transfer():
             rows.append(_paper_row(str(name), horizons))
     return pd.DataFrame(rows)

@@ -15,7 +15,9 @@ def repository_root() -> Path:
     if "DVC_ROOT" in os.environ:
         return Path(os.environ["DVC_ROOT"])
     here = Path.cwd()
-    return next((one for one in (here, *here.parents) if (one / "pyproject.toml").is_file()), here)
+    return next(
+        (folder for folder in (here, *here.parents) if (folder / "pyproject.toml").is_file()), here
+    )
 
 
 def clone() -> Path:
@@ -63,7 +65,9 @@ def check_folder(folder: Path) -> None:
     Raises:
         InputError: it is a file or below one, or this user may not write there.
     """
-    nearest = next(one for one in (folder.absolute(), *folder.absolute().parents) if one.exists())
+    nearest = next(
+        path for path in (folder.absolute(), *folder.absolute().parents) if path.exists()
+    )
     if not nearest.is_dir():
         where = folder if folder.exists() else nearest
         raise InputError(where, "is a file; give a folder to write to")

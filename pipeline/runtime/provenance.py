@@ -55,8 +55,8 @@ def content_hash(path: Path) -> str:
             return _file_hash(path)
         if not path.is_dir():
             raise InputError(path, "is missing; `dvc repro` runs the stage that writes it")
-        files = (one for one in path.rglob("*") if one.is_file() and one.suffix not in BYTECODE)
-        contents = {one.relative_to(path).as_posix(): _file_hash(one) for one in files}
+        files = (file for file in path.rglob("*") if file.is_file() and file.suffix not in BYTECODE)
+        contents = {file.relative_to(path).as_posix(): _file_hash(file) for file in files}
     except OSError as error:
         where = Path(error.filename or path)
         raise InputError(where, f"cannot be read: {error.strerror}") from None

@@ -39,8 +39,8 @@ def comparison(
         One row per measure: means, difference with its 95 % interval, and per seed. ``holds``: the
         whole interval and the differences of all seeds are on the better side.
     """
-    params, found = results[: len(groups)], results[len(groups) :]
-    difference = found - params
+    params, best = results[: len(groups)], results[len(groups) :]
+    difference = best - params
     flat = difference.reshape(-1, len(measures))
     statistics = error_statistics(flat, groups.ravel(), RESAMPLES, np.random.default_rng(seed))
     by_seed = np.nanmean(difference, axis=1)
@@ -48,7 +48,7 @@ def comparison(
     columns = {
         "measure": list(measures),
         "params": np.nanmean(params, axis=(0, 1)),
-        "found": np.nanmean(found, axis=(0, 1)),
+        "found": np.nanmean(best, axis=(0, 1)),
         "difference": statistics.mean,
         "ci_low": statistics.low,
         "ci_high": statistics.high,

@@ -33,7 +33,7 @@ def run_confirm(sweep: Sweep) -> pd.DataFrame | None:
     settings = compared_params(sweep)
     if settings[0] == settings[1]:
         return None
-    content = json.dumps([sweep.study, *(one.model_dump(mode="json") for one in settings)])
+    content = json.dumps([sweep.study, *(params.model_dump(mode="json") for params in settings)])
     folder = sweep.scratch / "confirm" / short(hashlib.sha256(content.encode()).hexdigest())
     if isinstance(sweep.settings, PredictorSweep):
         from rallygap.pipeline.sweeps.predictor import compare_predictors

@@ -76,7 +76,7 @@ class Return(BaseModel):
 
 def write_returns(path: Path, returns: Sequence[Return]) -> None:
     """Write examples as JSON."""
-    write_json(path, [one.model_dump() for one in returns])
+    write_json(path, [example.model_dump() for example in returns])
 
 
 def read_returns(path: Path) -> list[Return]:
@@ -156,7 +156,7 @@ def _return(example: _Example, predictor: str, played: TrialResult) -> Return:
     ended, motion = played.table.iloc[ball], played.motions[ball]
     hit, end = float(ended["time"]), FRAME * (len(motion.joints) - 1)
     after = played.after_racket[ball]
-    times, places = _ball(shots.simulator, shots.path[ball], hit, after, end)
+    times, positions = _ball(shots.simulator, shots.path[ball], hit, after, end)
     measured = shots.shots[ball].measured
     gone = end if np.isnan(hit) else hit
     kept = ~measured.outlier & (measured.times <= gone)
@@ -167,7 +167,7 @@ def _return(example: _Example, predictor: str, played: TrialResult) -> Return:
         horizon=horizons[len(horizons) // 2] / 1000,
         hit=None if np.isnan(hit) else round(hit, 6),
         measured=_track(measured.times[kept], measured.positions[kept]),
-        ball=_track(times, places),
+        ball=_track(times, positions),
         frame=FRAME,
         joints=[tuple(pose) for pose in np.round(motion.joints, 4).tolist()],
         forecasts={
@@ -204,5 +204,5 @@ def _timed(forecast: Floats, histories: Histories, gone: float) -> list[TimedFor
 
 
 def _track(times: Floats, positions: Floats) -> Track:
-    places = [(x, y, z) for x, y, z in np.round(positions, 4).tolist()]
-    return Track(t=np.round(times, 6).tolist(), position=places)
+    points = [(x, y, z) for x, y, z in np.round(positions, 4).tolist()]
+    return Track(t=np.round(times, 6).tolist(), position=points)

@@ -137,10 +137,10 @@ def _measured(artifacts: Path, manifest: Manifest) -> Iterator[_Candidates]:
             known = read_contacts(contacts, np.array(recordings))
             shots = [
                 Shot(
-                    from_launch(one.episode),
-                    *true_path(truth, known[one.recording_id], float(one.episode.times[0])),
+                    from_launch(member.episode),
+                    *true_path(truth, known[member.recording_id], float(member.episode.times[0])),
                 )
-                for one in members
+                for member in members
             ]
             rotated = np.zeros(len(members), bool)
             simulator = truth.simulator

@@ -77,9 +77,9 @@ def _shares(
     part: pd.DataFrame, setting: tuple[Hashable, ...], own: Mapping[Hashable, float]
 ) -> dict[tuple[Hashable, ...], tuple[float, float, float]]:
     """Return the shares of the gap that policies and predictors close in one setting."""
-    found = {key: trials_of(rows) for key, rows in part.groupby(list(BASELINE), sort=False)}
-    returned = {key: trials[..., RETURNED] for key, (trials, _) in found.items()}
-    recordings = found[tuple(BASELINE.values())][1]
+    groups = {key: trials_of(rows) for key, rows in part.groupby(list(BASELINE), sort=False)}
+    returned = {key: trials[..., RETURNED] for key, (trials, _) in groups.items()}
+    recordings = groups[tuple(BASELINE.values())][1]
     base = returned.pop(tuple(BASELINE.values()))
     best = returned.get((ORIGINAL, ORACLE), np.full_like(base, own[setting[1]]))
     return {

@@ -48,7 +48,11 @@ def number_table(
         truth: the physics of the balls, where it is known.
     """
     simulators = {"original": original, "amended": amended, "truth": truth}
-    known = {name: _parameters(one) for name, one in simulators.items() if one is not None}
+    known = {
+        name: _parameters(simulator)
+        for name, simulator in simulators.items()
+        if simulator is not None
+    }
     intervals = {cause.identity: cause.interval for cause in causes}
     rows = []
     for effect, parameter in dict.fromkeys(key for values in known.values() for key in values):

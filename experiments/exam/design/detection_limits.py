@@ -93,14 +93,14 @@ class DetectionLimits:
         own = [] if self.evidence.listed[k] else [j for j in self.evidence.free if j in rivals]
 
         def substitutes(sets: Iterable[tuple[int, ...]]) -> tuple[str, ...]:
-            informations = ((places, self._information(k, [*places, *free])) for places in sets)
+            informations = ((indices, self._information(k, [*indices, *free])) for indices in sets)
             hiding = (
-                places
-                for places, information in informations
+                indices
+                for indices, information in informations
                 if abs(size) * float(np.sqrt(max(information, 0.0))) < DETECTABLE
             )
-            found = dict.fromkeys(j for places in hiding for j in places)
-            return tuple(self.evidence.columns[j].identity for j in found)
+            members = dict.fromkeys(j for indices in hiding for j in indices)
+            return tuple(self.evidence.columns[j].identity for j in members)
 
         return substitutes(combinations(rivals, 1)) or substitutes(combinations(own, 2))
 
@@ -167,13 +167,13 @@ def _field_basis(positions: Floats, sampled: Bools, distortion: Distortion) -> F
 
     They are the leading ones of the Karhunen-Loeve expansion over recorded places (Nystroem).
     """
-    places = positions[sampled]
-    chosen = places[np.linspace(0, len(places) - 1, FIELD_PLACES).astype(np.int64)]
+    points = positions[sampled]
+    chosen = points[np.linspace(0, len(points) - 1, FIELD_PLACES).astype(np.int64)]
     values, vectors = np.linalg.eigh(covariance(chosen, chosen, distortion.length))
     tail = np.cumsum(np.maximum(values, 0.0))
     used = tail > FIELD_LEFT_OUT * tail[-1]
     basis = np.zeros((*sampled.shape, int(used.sum())))
-    across = covariance(places, chosen, distortion.length)
+    across = covariance(points, chosen, distortion.length)
     basis[sampled] = distortion.size * across @ (vectors[:, used] / np.sqrt(values[used]))
     return basis
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from experiments.exam.interface import Answer, Recording
 from experiments.exam.methods.derivatives import derivative_regression
-from experiments.exam.methods.regression import Places, Regression, answer
+from experiments.exam.methods.regression import Indices, Regression, answer
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.types import Floats
 
@@ -53,7 +53,7 @@ def evidence_greedy(
     return answer(nominal, regression, chosen, changes, intervals)
 
 
-def greedy(gram: Floats, widths: Floats, minimum_gain: float) -> Places:
+def greedy(gram: Floats, widths: Floats, minimum_gain: float) -> Indices:
     """Return the places of terms, from adding or removing the best one until none gains.
 
     Args:
@@ -61,7 +61,7 @@ def greedy(gram: Floats, widths: Floats, minimum_gain: float) -> Places:
         widths: (K,) prior standard deviations of the coefficients.
         minimum_gain: of log evidence for every term: the log prior odds against it.
     """
-    chosen: Places = ()
+    chosen: Indices = ()
     worth = 0.0
     while True:
         others = [tuple(sorted({*chosen} ^ {k})) for k in range(len(widths))]  # one more or less
@@ -72,29 +72,29 @@ def greedy(gram: Floats, widths: Floats, minimum_gain: float) -> Places:
         chosen, worth = others[best], worths[best]
 
 
-def log_evidence(gram: Floats, widths: Floats, places: Places) -> float:
-    """Return the log evidence of the terms at ``places``, less that of none.
+def log_evidence(gram: Floats, widths: Floats, indices: Indices) -> float:
+    """Return the log evidence of the terms at ``indices``, less that of none.
 
     Args:
         gram: (K + 1, K + 1) of K terms and the measured values, in units of the noise.
         widths: (K,) prior standard deviations of the coefficients.
-        places: of the terms that the model has.
+        indices: of the terms that the model has.
     """
-    precision, projected = _scaled(gram, widths, places)
+    precision, projected = _scaled(gram, widths, indices)
     fitted = float(projected @ np.linalg.solve(precision, projected))
     return (fitted - float(np.linalg.slogdet(precision)[1])) / 2.0
 
 
-def posterior(gram: Floats, widths: Floats, places: Places) -> tuple[Floats, Floats]:
+def posterior(gram: Floats, widths: Floats, indices: Indices) -> tuple[Floats, Floats]:
     """Return the (S,) means and standard deviations of the coefficients of S terms."""
-    precision, projected = _scaled(gram, widths, places)
-    covariance, width = np.linalg.inv(precision), widths[list(places)]
+    precision, projected = _scaled(gram, widths, indices)
+    covariance, width = np.linalg.inv(precision), widths[list(indices)]
     return width * (covariance @ projected), width * np.sqrt(np.diag(covariance))
 
 
-def _scaled(gram: Floats, widths: Floats, places: Places) -> tuple[Floats, Floats]:
+def _scaled(gram: Floats, widths: Floats, indices: Indices) -> tuple[Floats, Floats]:
     """Return (S, S) posterior precision and (S,) products, of coefficients of unit prior width."""
-    terms = list(places)
+    terms = list(indices)
     width = widths[terms]
     inner = gram[np.ix_(terms, terms)] * np.outer(width, width)
     return inner + np.eye(len(terms)), gram[terms, -1] * width

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from experiments.exam.interface import Answer, Recording, shots_of
-from experiments.exam.methods.regression import Places, Regression, answer, candidates
+from experiments.exam.methods.regression import Indices, Regression, answer, candidates
 from experiments.exam.projection import projected_out
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import STATE_SIZE
@@ -83,7 +83,7 @@ class Trajectories:
         return projected_out(rows[..., STATE_SIZE:], rows[..., :STATE_SIZE], precision)
 
 
-def separable(regression: Regression, nominal: Simulator) -> Places:
+def separable(regression: Regression, nominal: Simulator) -> Indices:
     """Return places of columns with enough part of their own, by pivoted Cholesky decomposition.
 
     The simulator's own parameters come first, then the column with the largest own part.

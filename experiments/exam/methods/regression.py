@@ -20,7 +20,7 @@ from rallygap.models.gap.verdict import Answer as Conclusion
 
 MINIMUM_COSINE = 0.99  # of columns that one regressor stands for
 
-Places = tuple[int, ...]
+Indices = tuple[int, ...]
 
 
 def candidates(nominal: Simulator, withheld: Sequence[str]) -> tuple[Hypothesis, ...]:
@@ -56,26 +56,26 @@ class Regression:
         """(K + 1, K + 1) Gram matrix of all shots."""
         return self.grams.sum(axis=0)
 
-    def restricted(self, places: Places) -> "Regression":
-        """Return the regression on the columns at ``places``."""
-        kept = [*places, len(self.columns)]
-        columns = tuple(self.columns[k] for k in places)
-        classes = tuple(self.classes[k] for k in places)
+    def restricted(self, indices: Indices) -> "Regression":
+        """Return the regression on the columns at ``indices``."""
+        kept = [*indices, len(self.columns)]
+        columns = tuple(self.columns[k] for k in indices)
+        classes = tuple(self.classes[k] for k in indices)
         return Regression(columns, self.grams[:, kept][:, :, kept], classes)
 
-    def estimates(self, places: Places, weights: Floats | None = None) -> Floats:
+    def estimates(self, indices: Indices, weights: Floats | None = None) -> Floats:
         """Return the least-squares values of some columns, with (B,) weights of the shots."""
         total = self.total if weights is None else np.tensordot(weights, self.grams, 1)
-        terms = list(places)
+        terms = list(indices)
         return np.asarray(np.linalg.lstsq(total[np.ix_(terms, terms)], total[terms, -1])[0])
 
 
-def _parallel(total: Floats, places: Places) -> Iterator[Places]:
+def _parallel(total: Floats, indices: Indices) -> Iterator[Indices]:
     """Yield groups of columns that are nearly parallel."""
-    if len(places) < 2:
-        yield from ((k,) for k in places)
+    if len(indices) < 2:
+        yield from ((k,) for k in indices)
         return
-    terms = np.array(places)
+    terms = np.array(indices)
     norms = np.sqrt(np.diag(total))[terms]
     cosines = total[np.ix_(terms, terms)] / np.outer(norms, norms)
     distances = np.maximum(1.0 - np.abs(cosines)[np.triu_indices(len(terms), 1)], 0.0)
@@ -87,7 +87,7 @@ def _parallel(total: Floats, places: Places) -> Iterator[Places]:
 def answer(
     nominal: Simulator,
     regression: Regression,
-    chosen: Places,
+    chosen: Indices,
     changes: Floats,
     intervals: Floats | None = None,
 ) -> Answer:

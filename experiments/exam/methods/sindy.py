@@ -13,7 +13,7 @@ from pysindy.optimizers import STLSQ
 
 from experiments.exam.interface import Answer, Recording
 from experiments.exam.methods.derivatives import derivative_regression
-from experiments.exam.methods.regression import Places, Regression, answer
+from experiments.exam.methods.regression import Indices, Regression, answer
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.types import Floats
 from rallygap.models.support.bootstrap import resampled_counts
@@ -56,7 +56,7 @@ def sindy_ensemble(
     return answer(nominal, regression, chosen, regression.estimates(chosen), intervals)
 
 
-def sparse(gram: Floats, threshold: float) -> Places:
+def sparse(gram: Floats, threshold: float) -> Indices:
     """Return the places of the terms that thresholded least squares select.
 
     Args:

@@ -174,9 +174,9 @@ def doubts(measured: Measured, setup: Setup) -> Iterator[Doubt]:
             f"{100 * lift.opposite:.0f} % of flights curve against their spin labels: check the "
             "labels' sense of rotation"
         )
-    places = measured.bounces
-    if len(places) >= FEWEST_PLACED and _share_on_table(places) < 0.5:
-        x, y = np.median(places[:, :2], axis=0)
+    positions = measured.bounces
+    if len(positions) >= FEWEST_PLACED and _share_on_table(positions) < 0.5:
+        x, y = np.median(positions[:, :2], axis=0)
         yield Doubt(
             f"most bounces are outside the table, typically at x = {x:.2f} m and y = {y:.2f} m: "
             "check that the origin is at the table's centre"
@@ -237,10 +237,10 @@ def _impossible_axes(measured: Measured, setup: Setup) -> Iterator[Doubt]:
         return
     axis, sign = _up(fall, measured.flights)
     horizontal = EXCHANGED[axis]
-    places = bounce_places(measured.flights.contacts, sign * np.eye(3)[axis])[:, horizontal]
-    if _mostly_across(fall.velocities[:, horizontal]) and len(places):
-        exchanged = _share_on_table(places[:, ::-1])
-        if exchanged >= _share_on_table(places) + BETTER:
+    positions = bounce_places(measured.flights.contacts, sign * np.eye(3)[axis])[:, horizontal]
+    if _mostly_across(fall.velocities[:, horizontal]) and len(positions):
+        exchanged = _share_on_table(positions[:, ::-1])
+        if exchanged >= _share_on_table(positions) + BETTER:
             horizontal = horizontal[::-1]
     order = [*horizontal, axis]
     if order == [0, 1, 2] and sign > 0:
@@ -278,10 +278,10 @@ def _mostly_across(velocities: Floats) -> bool:
     return bool(across > DOMINANT * along)
 
 
-def _share_on_table(places: Floats) -> float:
-    """Return the share of (n, 2) or (n, 3) places that are on the table."""
+def _share_on_table(positions: Floats) -> float:
+    """Return the share of (n, 2) or (n, 3) positions that are on the table."""
     across, along = TABLE_HALF_WIDTH + EDGE, TABLE_HALF_LENGTH + EDGE
-    inside = (np.abs(places[:, 0]) <= across) & (np.abs(places[:, 1]) <= along)
+    inside = (np.abs(positions[:, 0]) <= across) & (np.abs(positions[:, 1]) <= along)
     return float(inside.mean())
 
 
@@ -314,9 +314,9 @@ def _impossible_heights(measured: Measured, setup: Setup) -> Iterator[Doubt]:
     yield Doubt(text, impossible=True, line=setup.frame_line(np.eye(3), offset))
 
 
-def _usual_height(places: Floats) -> tuple[float, float]:
+def _usual_height(positions: Floats) -> tuple[float, float]:
     """Return the most frequent height of bounces, and the share of bounces near it."""
-    heights = places[:, 2]
+    heights = positions[:, 2]
     if len(heights) < FEWEST_BOUNCES:
         return BALL_RADIUS, 0.0
     near = np.abs(heights[:, None] - heights) < BAND
@@ -415,15 +415,15 @@ def _unusual_falls(measured: Measured) -> Iterator[Doubt]:
         )
 
 
-def _unusual_heights(places: Floats) -> Iterator[Doubt]:
+def _unusual_heights(positions: Floats) -> Iterator[Doubt]:
     """Yield what is unusual about the heights of bounces, and about the plane through them."""
-    height, share = _usual_height(places)
+    height, share = _usual_height(positions)
     if share >= LEAST_SHARE and abs(height - BALL_RADIUS) > DOUBTFUL:
         yield Doubt(
             f"balls bounce at z = {1000 * height:.0f} mm; on the table it is 20 mm: check the "
             "origin of heights"
         )
-    chosen = places[np.abs(places[:, 2] - height) < BAND]
+    chosen = positions[np.abs(positions[:, 2] - height) < BAND]
     if len(chosen) < FEWEST_SLOPE:
         return
     terms = np.column_stack([chosen[:, :2] - chosen[:, :2].mean(axis=0), np.ones(len(chosen))])

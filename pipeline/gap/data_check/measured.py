@@ -199,13 +199,13 @@ def bounce_places(contacts: Sequence[Contact], up: Floats) -> Floats:
         contacts: of all recordings.
         up: (3,) unit vector.
     """
-    places = []
+    positions = []
     for contact in contacts:
         down, rise = -contact.before @ up, contact.after @ up
         gain = np.linalg.norm(contact.after) - np.linalg.norm(contact.before)
         if down > SLOWEST_BOUNCE and rise > SLOWEST_BOUNCE and gain < MOST_GAIN:
-            places.append(contact.position)
-    return np.array(places).reshape(-1, 3)
+            positions.append(contact.position)
+    return np.array(positions).reshape(-1, 3)
 
 
 def _tracks(tables: Sequence[RawTable], frame: Frame) -> Iterator[Track]:
