@@ -36,8 +36,12 @@ def reliability(run: StageRun) -> None:
             for kill in kill_stage(repository, stage, number, among)
         ]
         faults = [suffer(repository, fault) for fault in progress(FAULTS, "faults", len(FAULTS))]
-    tables = {"kills": kills, "faults": faults}
-    run.publish({name: pd.DataFrame(map(asdict, rows)) for name, rows in tables.items()})
+    run.publish(
+        {
+            "kills": pd.DataFrame(map(asdict, kills)),
+            "faults": pd.DataFrame(map(asdict, faults)),
+        }
+    )
 
 
 if __name__ == "__main__":

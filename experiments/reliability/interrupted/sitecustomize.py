@@ -24,4 +24,4 @@ def interrupted(temporary: Path, target: Path) -> Path:
 
 
 if sys.orig_argv[1:3] == ["-m", f"rallygap.stages.{os.environ.get('INTERRUPTED_STAGE')}"]:
-    Path.replace = interrupted
+    Path.replace = interrupted  # type: ignore[assignment,method-assign]
