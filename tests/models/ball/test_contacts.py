@@ -3,9 +3,6 @@
 Balls that rest, slide, start inside a surface or meet two at once; values at the bounds.
 """
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -209,8 +206,3 @@ def test_tiny_steps_add_up_and_a_flight_at_absurd_speed_comes_to_its_end():
     # A fit that is far off may ask for it.
     states = DEAD.fly([0, 1, 0.1, 0, -1e12, 0, 0, 0, 0], TIMES).states
     assert states[0, -1, 1] == pytest.approx(1 - 1e12 * TIMES[-1])
-
-
-def test_a_simulator_is_described_without_numba():
-    program = "import sys, rallygap.models.ball.simulator; sys.exit('numba' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
