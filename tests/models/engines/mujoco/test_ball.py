@@ -73,5 +73,5 @@ def test_a_scene_without_a_ball_says_what_comes_near(world, problem):
 def test_one_of_several_balls_is_named_and_must_be_a_ball(name, problem):
     world = ball() + ball(name="spare") + RACKET
     assert found(world, "spare").name == "spare"
-    with pytest.raises(EngineError, match=re.escape(problem)):
+    with pytest.raises(EngineError, match=f"^{re.escape(problem)}"):
         found(world, name)

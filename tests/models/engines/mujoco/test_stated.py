@@ -121,10 +121,7 @@ def test_the_air_slows_spin_as_noted():
         ("of the slip at most", {"geom": GRIPPING}),
         ("pyramid", {"geom": GRIPPING}),
         ("condim", {"geom": f"{GRIPPING}".replace('condim="3"', 'condim="4"')}),
-        (
-            "takes restitution",
-            {"rest": pair(f'{OWN} solreffriction="0 -5000"')},
-        ),
+        ("takes restitution", {"rest": pair(f'{OWN} solreffriction="0 -5000"')}),
         ("differs with direction", {"rest": pair(OWN.replace(".2 .2", ".2 .3"))}),
         ("weighs", {"geom": CLEAN, "size": 'size=".02" density="1000"'}),
         ("radius of", {"geom": CLEAN, "size": 'size=".019" mass=".0027"'}),
