@@ -10,25 +10,18 @@ from rallygap.models.arena.cameras import OUTLIER_DISTANCE, CameraField, Cameras
 SAMPLES = 40_000
 SPIN = np.array([300.0, 0.0, 400.0])
 STATES = np.tile([0.1, 0.2, 0.3, 0, -5, 0, *SPIN], (SAMPLES, 1))
+FIELD = CameraField(standard_deviation=0.0015, length=0.8, seed=3)
+NOISY = Cameras(0.003, 0.05, 0.2, 0.2, SlowError(0.3, 0.05), interval=0.005)
+PERFECT = Cameras(0.0, 0.0, 0.0, 0.0, SlowError(0.0, 0.05), interval=0.005)
 
 
-def measure(position_noise=0.0, spin_noise=0.0, dropouts=0.0, outliers=0.0, seed=0, share=0.0):
-    slow_error = SlowError(share, time=0.05)
-    cameras = Cameras(position_noise, spin_noise, dropouts, outliers, slow_error, interval=0.005)
-    return cameras.measure(STATES, np.random.default_rng(seed))
-
-
-def test_perfect_cameras_see_the_truth():
-    positions, spins, seen = measure()
-
-    assert np.array_equal(positions, STATES[:, :3])
-    assert np.array_equal(spins, STATES[:, 6:])
-    assert seen.all()
+def measure(arcs=None, **errors):
+    return replace(PERFECT, **errors).measure(STATES, np.random.default_rng(0), arcs)
 
 
 def test_the_slow_part_keeps_the_size_and_falls_off_with_its_time():
-    errors = measure(position_noise=0.003, share=0.4)[0] - STATES[:, :3]
-
+    slow = SlowError(share=0.4, time=0.05)
+    errors = measure(position_noise=0.003, slow_error=slow)[0] - STATES[:, :3]
     assert errors.std(axis=0) == pytest.approx([0.003] * 3, rel=0.05)
     white = measure(position_noise=0.003)[0] - STATES[:, :3]
     assert white.std(axis=0) == pytest.approx([0.003] * 3, rel=0.02)
@@ -36,12 +29,6 @@ def test_the_slow_part_keeps_the_size_and_falls_off_with_its_time():
     for lag, expected in ((1, 0.4 * np.exp(-0.1)), (10, 0.4 * np.exp(-1)), (100, 0.0)):
         correlation = (errors[lag:] * errors[:-lag]).mean() / variance
         assert correlation == pytest.approx(expected, abs=0.03)
-
-
-def test_spin_noise_is_a_share_of_the_whole_spin():
-    errors = measure(spin_noise=0.05)[1] - SPIN
-
-    assert errors.std(axis=0) == pytest.approx([0.05 * 500] * 3, rel=0.02)
 
 
 def test_outliers_and_dropouts_are_as_frequent_and_as_far_as_stated():
@@ -55,44 +42,21 @@ def test_outliers_and_dropouts_are_as_frequent_and_as_far_as_stated():
     assert (~seen).mean() == pytest.approx(0.02, rel=0.15)
 
 
-FIELD = CameraField(standard_deviation=0.0015, length=0.8, seed=3)
-NOISY = Cameras(0.003, 0.05, 0.2, 0.2, SlowError(0.3, 0.05), interval=0.005)
-PERFECT = Cameras(0.0, 0.0, 0.0, 0.0, SlowError(0.0, 0.05), interval=0.005)
-
-
 def test_without_systematic_errors_the_draws_are_those_of_the_exam_s_records():
     """Numbers from the version that had none; the recordings of the exam follow from them."""
     random = np.random.default_rng(7)
-
     positions, spins, seen = NOISY.measure(STATES[:4], random)
-
-    np.testing.assert_allclose(
-        positions[:2],
-        [
-            [0.09664151278516163, 0.20747898095806455, 0.18774632058868657],
-            [0.09840778964695472, 0.19653496605280202, 0.29714735163173206],
-        ],
-        rtol=1e-14,
-    )
-    np.testing.assert_allclose(
-        spins[[0, 3]],
-        [
-            [303.669673267676, -24.46297695141599, 379.77906901436],
-            [302.761603581237, 1.594544356376549, 369.3736043395577],
-        ],
-        rtol=1e-14,
-    )
+    np.testing.assert_allclose(positions[0, 2], 0.18774632058868657, rtol=1e-14)
+    np.testing.assert_allclose(spins[3, 2], 369.3736043395577, rtol=1e-14)
     assert seen.tolist() == [True, True, False, True]
     assert random.random() == 0.50777223630035
 
 
 def test_a_field_shifts_true_positions_and_changes_no_other_error():
-    distorted = replace(NOISY, field=FIELD)
-
     without, with_field = (
-        cameras.measure(STATES[:100], np.random.default_rng(0)) for cameras in (NOISY, distorted)
+        cameras.measure(STATES[:100], np.random.default_rng(0))
+        for cameras in (NOISY, replace(NOISY, field=FIELD))
     )
-
     shift = FIELD.errors(STATES[:100, :3])
     np.testing.assert_allclose(with_field[0] - without[0], shift, rtol=0, atol=1e-15)
     assert np.abs(shift).max() > 1e-4
@@ -102,8 +66,7 @@ def test_a_field_shifts_true_positions_and_changes_no_other_error():
 
 def test_rows_of_an_arc_share_an_error_that_adds_to_that_of_each_row():
     def label_errors(arcs, **noise):
-        cameras = replace(PERFECT, arc_spin_noise=0.03, **noise)
-        _, spins, _ = cameras.measure(STATES, np.random.default_rng(0), arcs)
+        _, spins, _ = measure(arcs, arc_spin_noise=0.03, **noise)
         return (spins - SPIN).reshape(-1, 4, 3)
 
     arcs = np.repeat(np.arange(SAMPLES // 4), 4)
@@ -122,12 +85,11 @@ def test_rows_of_an_arc_share_an_error_that_adds_to_that_of_each_row():
 
 
 FIELDS = [replace(FIELD, seed=seed) for seed in range(400)]
-PLAYING_VOLUME = np.array([[-1.5, -3.0, 0.0], [1.5, 3.0, 1.5]])  # m
 
 
 def places(count):
     """Positions in the playing volume."""
-    return np.random.default_rng(0).uniform(*PLAYING_VOLUME, (count, 3))
+    return np.random.default_rng(0).uniform([-1.5, -3.0, 0.0], [1.5, 3.0, 1.5], (count, 3))
 
 
 def test_errors_of_the_axes_have_their_size_no_mean_and_no_correlation():

@@ -12,31 +12,13 @@ from tests.models.arena.sessions import TRUTH, of_group
 SIMULATOR = TRUTH.simulator
 
 
-def launches(shots, seed=0):
-    return cannon_launches(SIMULATOR, shots, np.random.default_rng(seed))
-
-
 @pytest.mark.parametrize("shots", [1, 500])
 def test_nearly_every_ball_lands_on_the_near_half_first(shots):
-    contacts = SIMULATOR.fly(launches(shots), np.arange(0, 1.2, 0.005)).contacts
-
+    launches = cannon_launches(SIMULATOR, shots, np.random.default_rng(0))
+    contacts = SIMULATOR.fly(launches, np.arange(0, 1.2, 0.005)).contacts
     on_near = (contacts.surface[:, 0] == TABLE) & (contacts.before[:, 0, 1] < 0)
     assert len(on_near) == shots
     assert on_near.mean() > 0.9
-
-
-def test_a_session_spreads_over_places_directions_speeds_and_spins():
-    states = launches(2000)
-    speed = np.linalg.norm(states[:, VELOCITY], axis=1)
-    spin = np.linalg.norm(states[:, SPIN], axis=1)
-
-    assert len(np.unique(states[:, POSITION], axis=0)) == 12
-    assert np.ptp(np.degrees(np.arctan2(states[:, 3], -states[:, 4]))) > 20
-    assert speed.min() < 4.5
-    assert (speed > 14).mean() > 0.02
-    assert spin.min() < 20
-    assert (spin > 450).mean() > 0.02
-    assert np.ptp(states[:, 8]) > 350  # sidespin
 
 
 @pytest.mark.parametrize("yaw", [-90.0, 0.0, 30.0])

@@ -21,43 +21,35 @@ def flight(*met, most=4):
     return ContactSequence(times, surfaces, states, np.array([0.1 * len(met) + 0.5]))
 
 
-def call(*met, serve=False):
-    return judge_strokes(flight(*met), np.array([1.0]), serve)
-
-
 @pytest.mark.parametrize(
-    ("met", "serve", "good"),
+    ("met", "serve", "fault"),
     [
-        ([OTHER, FLOOR], False, True),
-        ([CORD, OTHER], False, True),
-        ([OWN, OTHER], False, False),
-        ([FLOOR], False, False),
-        ([], False, False),
-        ([CORD, OWN], False, False),
-        ([OWN, OTHER], True, True),
-        ([OWN, CORD, OTHER], True, True),
-        ([OTHER, FLOOR], True, False),
-        ([OWN, OWN, OTHER], True, False),
-        ([CORD, OTHER], True, False),
+        ([OTHER, FLOOR], False, None),
+        ([CORD, OTHER], False, None),
+        ([OWN, OTHER], False, "out"),
+        ([OWN, CORD], False, "out"),
+        ([FLOOR], False, "out"),
+        ([], False, "out"),
+        ([CORD, OWN], False, "net"),
+        ([OWN, OTHER], True, None),
+        ([OWN, CORD, OTHER], True, None),
+        ([OTHER, FLOOR], True, "out"),
+        ([OWN, OWN, OTHER], True, "out"),
+        ([CORD, OTHER], True, "net"),
     ],
 )
-def test_a_stroke_is_good_if_it_lands_as_the_rules_ask(met, serve, good):
-    assert call(*met, serve=serve).good[0] == good
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_stroke_is_good_if_it_lands_as_the_rules_ask_and_a_fault_has_a_name(
+    met, serve, fault, direction
+):
     seen = flight(*met)
-    seen.states[..., 1] *= -1  # of the other side
-    assert judge_strokes(seen, np.array([-1.0]), serve).good[0] == good
-
-
-@pytest.mark.parametrize(
-    ("met", "fault"), [([CORD, OWN], "net"), ([FLOOR], "out"), ([OWN, CORD], "out"), ([], "out")]
-)
-def test_a_fault_has_a_name(met, fault):
-    assert call(*met).fault[0] == fault
+    seen.states[..., 1] *= direction
+    ruling = judge_strokes(seen, np.array([direction]), serve)
+    assert (None if ruling.good[0] else ruling.fault[0]) == fault
 
 
 @pytest.mark.parametrize("then", [OTHER, FLOOR])
 def test_a_ball_that_nobody_returns_is_lost_at_its_next_contact(then):
     end, surface = after_landing(flight(OTHER, then), np.array([0]))
-
     assert surface[0] == then[0]
     assert end[0] == pytest.approx(0.2)

@@ -7,11 +7,48 @@ from rallygap.models.audit.audit import audit
 from rallygap.models.audit.traps import traps
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.simulators import shipped
+from rallygap.models.ball.state import BALL_RADIUS
 from rallygap.models.engines.engine import EffectsEngine, FunctionEngine
-from tests.models.audit.closed_forms import SOLID, bouncing
 
 TABLE = {"table_bounce": {"restitution": 0.92, "friction": 0.25}}
 AIR = {"gravity": {"g": 9.81}, "drag": {"cd": 0.47}}
+GRAVITY = 9.81
+SOLID = 2 / 7
+
+
+def fallen(ball, time):
+    ball = ball.copy()
+    ball[:3] += time * ball[3:6] - [0, 0, GRAVITY * time**2 / 2]
+    ball[5] -= GRAVITY * time
+    return ball
+
+
+def at(ball, time, cap, friction, restitution):
+    above, fall = ball[2] - BALL_RADIUS, -ball[5]
+    contact = (np.sqrt(fall**2 + 2 * GRAVITY * above) - fall) / GRAVITY
+    if time <= contact:
+        return fallen(ball, time)
+    before = fallen(ball, contact)
+    slip = before[3:5] + BALL_RADIUS * np.array([-before[7], before[6]])
+    impulse = friction * (1 + restitution) * -before[5] / max(np.linalg.norm(slip), 1e-9)
+    change = -min(impulse, cap) * slip
+    inertia = cap / (1 - cap)  # I / m r^2
+    after = before.copy()
+    after[3:5] += change
+    after[5] *= -restitution
+    after[6:8] += np.array([change[1], -change[0]]) / (inertia * BALL_RADIUS)
+    return fallen(after, time - contact)
+
+
+def bouncing(cap=SOLID, friction=0.3, restitution=lambda ball: 0.9):
+    """A vacuum with one bounce that takes at most ``cap`` of the slip; restitution is by state."""
+
+    def fly(states, times):
+        return np.array(
+            [[at(one, t, cap, friction, restitution(one)) for t in times] for one in states]
+        )
+
+    return FunctionEngine("closed form", fly)
 
 
 def found(engine):

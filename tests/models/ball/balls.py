@@ -19,6 +19,8 @@ NOMINAL = simulator(
     magnus={"cm": 0.069},
     table_bounce={"restitution": 0.93, "friction": 0.25},
 )
+NET_PLAY = NOMINAL.amended("net", restitution=0.2, friction=0.5)
+RACKET = {"restitution": 0.878, "speed_loss": 0.02, "kp": 0.0019}
 
 
 def vectors(limit):

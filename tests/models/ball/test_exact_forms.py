@@ -12,7 +12,7 @@ from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.ball.contact_laws import NET
 from rallygap.models.ball.sensor import measured
 from rallygap.models.ball.simulator import Simulator
-from tests.models.ball.balls import NOMINAL, simulator, vectors
+from tests.models.ball.balls import NET_PLAY, NOMINAL, RACKET, simulator, vectors
 from tests.models.ball.reference import DRAG, LIFT, MASS, RADIUS, Physics
 
 G, CD, CM = 9.81, 0.55, 0.069
@@ -128,10 +128,10 @@ def test_a_racket_follows_the_equation(velocity, spin, racket, normal):
     n = normal / np.linalg.norm(normal)
     approach = (velocity - racket) @ n
     assume(approach < -0.1)
-    sim = simulator(racket_bounce={"restitution": 0.878, "speed_loss": 0.02, "kp": 1.9e-3})
     before = np.concatenate([[0, -1.5, 0.2], velocity, spin])
     expected = impulse(before, n, 0.878 + 0.02 * approach, lambda _: 1.9 / 2.7, racket)
-    np.testing.assert_allclose(sim.strike(before, normal, racket)[0], expected, atol=1e-10)
+    struck = simulator(racket_bounce=RACKET).strike(before, normal, racket)[0]
+    np.testing.assert_allclose(struck, expected, atol=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -204,9 +204,7 @@ BALL = np.array([0.1, 1.2, 0.3, 0.4, -9.0, 0.5, -150.0, 40.0, 30.0])
 BALLS = np.array(
     [BALL, [0.0, 1.2, 0.3, 0.0, -14.0, 0.5, -350.0, 0.0, 0.0], [0, 1, 0.3, 0, -4, -3, -20, 0, 0]]
 )
-FULL = NOMINAL.amended("net", restitution=0.2, friction=0.5).amended(
-    "racket_bounce", restitution=0.878, speed_loss=0.02, kp=0.0019
-)
+FULL = NET_PLAY.amended("racket_bounce", **RACKET)
 
 
 def seen(simulator):

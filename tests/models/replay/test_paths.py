@@ -13,8 +13,6 @@ from tests.models.arena.sessions import games, session
 from tests.models.policy.replayed_shots import SERVE, STROKE, sampled
 from tests.models.predictors.balls import TRUTH
 
-RATES = [143.0, 179.0, 200.0]
-
 
 def errors(measured, first):
     """Distances of position, velocity and spin from the truth, as far as the path is known."""
@@ -23,9 +21,9 @@ def errors(measured, first):
     return [np.linalg.norm(off[:, part : part + 3], axis=1) for part in (0, 3, 6)]
 
 
-@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("rate", [143.0, 179.0, 200.0])
 @pytest.mark.parametrize("first", [STROKE, SERVE], ids=["stroke", "serve"])
-def test_without_noise_it_is_the_true_path_through_all_bounces(rate, first):
+def test_it_is_the_true_path_and_with_noise_nearer_to_it_than_the_samples(rate, first):
     measured = sampled(first, rate=rate)
     place, velocity, spin = errors(measured, first)
     assert len(place) == np.searchsorted(PATH_TIMES, measured.times[-1])
@@ -33,11 +31,7 @@ def test_without_noise_it_is_the_true_path_through_all_bounces(rate, first):
     assert np.median(place) < 3e-4 and np.median(velocity) < 0.02
     assert spin.max() < 1e-6
     np.testing.assert_array_equal(measured_path(measured)[1], measured.bounces)
-
-
-@pytest.mark.parametrize("rate", RATES)
-def test_it_is_nearer_to_the_truth_than_the_measurements(rate):
-    place, velocity, _ = errors(sampled(rate=rate, noise=0.003), STROKE)
+    place, velocity, _ = errors(sampled(first, rate=rate, noise=0.003), first)
     assert np.sqrt((place**2).mean()) < 0.6 * 0.003 * np.sqrt(3)
     assert np.median(velocity) < 0.15
 

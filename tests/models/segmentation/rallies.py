@@ -34,13 +34,8 @@ class Rally:
 def simulated_rally(rng, strokes=5, noise=0.003, outliers=0.03, dropouts=0.03, bursts=1.0):
     """Draw a rally and measure it at 200 Hz with jitter.
 
-    Args:
-        rng: numpy's random generator.
-        strokes: how many strokes follow the first.
-        noise: standard deviation of a coordinate, m.
-        outliers: share of samples 30 to 500 mm off.
-        dropouts: share of samples that are missing.
-        bursts: rate (1/s) of gaps of 3 to 10 samples.
+    ``noise`` (m) is that of a coordinate, ``outliers`` are 30 to 500 mm off, and ``bursts`` is the
+    rate (1/s) of gaps of 3 to 10 samples.
     """
     played, contacts, end = _played(rng, strokes)
     t = START + np.arange(0.0, end - START, 0.005)
@@ -51,12 +46,11 @@ def simulated_rally(rng, strokes=5, noise=0.003, outliers=0.03, dropouts=0.03, b
     t = t[keep]
     begins = [begin for begin, _ in played]
     owner = np.maximum(np.searchsorted(begins, t, side="right") - 1, 0)
-    states = np.concatenate(
-        [
-            BALL.fly(state, t[owner == number] - begin).states[0]
-            for number, (begin, state) in enumerate(played)
-        ]
-    )
+    flights = [
+        BALL.fly(state, t[owner == number] - begin).states[0]
+        for number, (begin, state) in enumerate(played)
+    ]
+    states = np.concatenate(flights)
     x = states[:, :3] + rng.normal(0.0, noise, (len(t), 3))
     outlier = rng.random(len(t)) < outliers
     directions = rng.normal(size=(outlier.sum(), 3))
@@ -99,13 +93,7 @@ def _stroke(rng, state, side, wait):
 
 
 def scores(pairs, kind, tolerance=0.005):
-    """Precision and recall of the observable contacts of one kind.
-
-    Args:
-        pairs: (rally, contacts found).
-        kind: ``racket`` or ``table``.
-        tolerance: s.
-    """
+    """Precision and recall of the observable contacts of one kind, of rallies and what is found."""
     found_true = found_false = missed = 0
     for rally, found in pairs:
         moments = np.array([time for time, _ in rally.contacts])

@@ -20,17 +20,6 @@ MEAN = np.array([[0.1, -1.0, 0.3], [1.0, 9.0, 2.0], [0.5, -1.0, -9.0]])
 NOISE = 0.003
 
 
-@pytest.fixture
-def covariance(rng):
-    root = rng.normal(size=(3, 3))
-    return root @ root.T
-
-
-@pytest.fixture
-def rng():
-    return np.random.default_rng(4)
-
-
 @pytest.mark.parametrize("dt", [0.005, -0.005])
 def test_predicted_mean_follows_a_ball_with_drag(dt):
     def motion(_, state):
@@ -43,16 +32,16 @@ def test_predicted_mean_follows_a_ball_with_drag(dt):
     np.testing.assert_allclose(mean[1], exact[3:], atol=1e-3)
 
 
-def test_predicted_covariance_adds_the_integral_of_white_jerk(covariance):
+def test_prediction_adds_the_integral_of_white_jerk_and_update_is_that_of_kalman():
+    rng = np.random.default_rng(4)
+    root, sample = rng.normal(size=(3, 3)), rng.normal(size=3)
     dt, jerk = 0.03, np.array([0.0, 0.0, 1.0])
     grown = quad_vec(lambda s: np.outer(transition(s) @ jerk, transition(s) @ jerk), 0, dt)[0]
-    expected = transition(dt) @ covariance @ transition(dt).T + JERK_DENSITY * grown
+    expected = transition(dt) @ root @ root.T @ transition(dt).T + JERK_DENSITY * grown
+    mean, covariance = MEAN.copy(), root @ root.T
     predict_covariance(covariance, dt)
     np.testing.assert_allclose(covariance, expected, rtol=1e-12)
 
-
-def test_update_is_the_kalman_update(covariance, rng):
-    mean, sample = MEAN.copy(), rng.normal(size=3)
     observed = np.array([[1.0, 0.0, 0.0]])
     gain = covariance @ observed.T / (covariance[0, 0] + NOISE**2)
     expected = MEAN + gain * (sample - MEAN[0]), (np.eye(3) - gain @ observed) @ covariance

@@ -55,16 +55,13 @@ def test_closest_pairs_match_first_and_only_once():
     assert match_contacts(true, found, 0.005).tolist() == [-1, 0, 2]
 
 
-def test_perfect_detection():
+def test_what_is_found_in_time_is_detected_and_a_wrong_kind_or_a_late_one_is_false():
     scored = score(TRUE, TRUE[TRUE["kind"] != "launch"], SAMPLES, SETTINGS)
     assert scored.true["kind"].tolist() == ["racket", "table", "table"]
     assert scored.true[["observable", "detected"]].all(axis=None)
     assert (scored.true["error"] == 0).all()
     assert scored.true["speed"].tolist() == [5.0, 4.0, 4.0]
     assert scored.false.empty
-
-
-def test_wrong_kind_and_late_contacts_are_false_positives():
     found = contacts((0.5, "table", 1.5), (0.706, "table", 0.7), (1.002, "table", -0.7))
     scored = score(TRUE, found, SAMPLES, SETTINGS)
     assert scored.true["detected"].tolist() == [False, False, True]

@@ -119,6 +119,5 @@ def test_broken_strokes_and_those_off_the_table_are_not_replayed(column, value):
 
 
 def test_near_player_s_serves_are_not_replayed():
-    parts = [game(f"arena/pro/{k}", 1, far_first=False) for k in range(20)]
-    episodes, _ = assigned(*tables(parts))
+    episodes, _ = assigned(*tables(game(f"arena/pro/{k}", 1, far_first=False) for k in range(20)))
     assert set(episodes["replay_set"]) == {"none"}

@@ -56,13 +56,12 @@ def test_tables_keep_their_contracts_also_where_nothing_is_found(found, recordin
             assert checked(table, contract).empty == is_empty
 
 
-def test_samples_are_the_measured_ones(found, recordings):
+def test_samples_are_the_measured_ones_and_episodes_agree_with_them_and_their_contacts(
+    found, recordings
+):
     columns = ["recording_id", "t", *POSITION]
     played = recordings[recordings["recording_id"] != "arena/lone"]
     pd.testing.assert_frame_equal(found.samples[columns], played[columns].reset_index(drop=True))
-
-
-def test_episodes_are_numbered_and_agree_with_their_samples_and_contacts(found):
     for row in found.episodes.to_dict("records"):
         samples = found.samples[found.samples["episode_id"] == row["episode_id"]]
         contacts = found.contacts[found.contacts["episode_id"] == row["episode_id"]]
@@ -70,15 +69,10 @@ def test_episodes_are_numbered_and_agree_with_their_samples_and_contacts(found):
         assert contacts["t"].between(row["start"], row["end"]).all()
         assert (row["samples"], row["outliers"]) == (len(samples), samples["outlier"].sum())
         assert row["bounces"] == (contacts["kind"] == "table").sum()
-    first = found.episodes[found.episodes["recording_id"] == "arena/0"]["episode_id"]
-    assert first.tolist() == [f"arena/0/{number:02d}" for number in range(len(first))]
-
-
-def test_arc_counts_the_contacts_inside_an_episode(found):
-    for episode_id, samples in found.samples.groupby("episode_id"):
-        contacts = found.contacts[found.contacts["episode_id"] == episode_id]
         inside = contacts[contacts["kind"] != "racket"]["t"].to_numpy()
         np.testing.assert_array_equal(samples["arc"], np.searchsorted(inside, samples["t"]))
+    first = found.episodes[found.episodes["recording_id"] == "arena/0"]["episode_id"]
+    assert first.tolist() == [f"arena/0/{number:02d}" for number in range(len(first))]
 
 
 def test_launched_ball_begins_with_its_launch(found):

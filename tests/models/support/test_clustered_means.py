@@ -26,14 +26,10 @@ def assert_same(found, values):
     np.testing.assert_allclose(found.p, [test.pvalue])
 
 
-def test_one_training_of_independent_shots_is_a_t_test():
+@pytest.mark.parametrize("alike", [1, 4])
+def test_one_training_is_a_t_test_of_shots_and_those_of_a_recording_that_are_alike_are_one(alike):
     values, recordings = drawn(1, 20, 1)
-    assert_same(clustered_mean(values + 0.3, recordings), values[0, :, 0] + 0.3)
-
-
-def test_shots_of_a_recording_that_are_alike_count_as_one():
-    values, recordings = drawn(1, 20, 1)
-    found = clustered_mean(np.repeat(values, 4, axis=1) + 0.3, np.repeat(recordings, 4))
+    found = clustered_mean(np.repeat(values, alike, axis=1) + 0.3, np.repeat(recordings, alike))
     assert_same(found, values[0, :, 0] + 0.3)
 
 

@@ -6,7 +6,8 @@ from rallygap.models.engines.mujoco.scene import MujocoScene
 
 BALL = 'type="sphere" size=".02" mass=".0027"'
 SHELL = 'shellinertia="true"'
-CONTACT = 'solref="-1000000 -47" solimp=".98 .98 .001" friction=".25 .005 .0001"'
+HARD = 'solref="-1000000 -47" solimp=".98 .98 .001"'
+CONTACT = f'{HARD} friction=".25 .005 .0001"'
 TABLE = '<geom name="top" type="box" size=".7625 1.37 .0125" pos="0 0 -.0125"/>'
 
 
@@ -27,11 +28,11 @@ def compiled(world: str, option: str = "", rest: str = "") -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(written(world, option, rest))
 
 
-def pair(attributes: str) -> str:
+def pair(attributes: str, cone: str = "elliptic") -> str:
     """A contact of the table with the ball that has its own friction."""
     return (
-        '<option cone="elliptic"/><contact><pair geom1="top" geom2="sphere" condim="3" '
-        f'solref="-16000000 -150" {attributes}/></contact>'
+        f'<option cone="{cone}"/><contact><pair geom1="top" geom2="sphere" condim="3" '
+        f"{attributes}/></contact>"
     )
 
 

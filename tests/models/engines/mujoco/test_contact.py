@@ -7,36 +7,31 @@ import pytest
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.engines.mujoco.contact import restitution, table_contact
-from tests.models.engines.mujoco.scenes import SHELL, TABLE, scene
+from tests.models.engines.mujoco.scenes import HARD, SHELL, TABLE, pair, scene
 
 STEP = 5e-5
-HARD = 'solref="-1000000 -47" solimp=".98 .98 .001"'
-GENTLE = "0 -200"  # solreffriction
+SMALL_STEPS = f'gravity="0 0 0" timestep="{STEP}" integrator="Euler"'
 SHIFTS = (-1e-6, -1e-10, 0.0, 1e-10, 1e-6)  # of a damping ratio, above all of a critical one
 
 
-def contact_of(geom="", option="", table=TABLE, rest=""):
-    one = scene(f"{SHELL} {geom}", option, table, rest)
+def contact_of(geom="", option="", table="", rest=""):
+    """The contact of a ball and a table with these attributes."""
+    one = scene(f"{SHELL} {geom}", option, TABLE.replace("/>", f" {table}/>"), rest)
     return table_contact(one.model, one.ball, one.frame)
 
 
-def solref_on_both(solref, solimp=".98 .98 .001"):
-    contact = f'solref="{solref}" solimp="{solimp}" condim="1"'
-    return scene(
-        f"{SHELL} {contact}",
-        f'gravity="0 0 0" timestep="{STEP}" integrator="Euler"',
-        TABLE.replace("/>", f" {contact}/>"),
-    )
+def bouncing(solref, solimp=".98 .98 .001"):
+    """A scene whose ball and table have this contact, and the contact."""
+    both = f'solref="{solref}" solimp="{solimp}" condim="1"'
+    one = scene(f"{SHELL} {both}", SMALL_STEPS, TABLE.replace("/>", f" {both}/>"))
+    return one, table_contact(one.model, one.ball, one.frame)
 
 
-def paired(friction, slip="0 0", shell=SHELL, cone="elliptic"):
-    """A bounce whose friction has its own damping."""
-    pair = (
-        f'<contact><pair geom1="top" geom2="sphere" {HARD} condim="3" solreffriction="{slip}" '
-        f'friction="{friction} {friction} 0 0 0"/></contact>'
-    )
-    option = f'gravity="0 0 0" timestep="{STEP}" integrator="Euler" cone="{cone}"'
-    return scene(shell, option, rest=pair)
+def gripping(friction, slip, shell=SHELL, cone="elliptic"):
+    """A scene with a contact whose friction has its own damping, and the contact."""
+    contact = f'{HARD} solreffriction="{slip}" friction="{friction} {friction} 0 0 0"'
+    one = scene(shell, SMALL_STEPS, rest=pair(contact, cone))
+    return one, table_contact(one.model, one.ball, one.frame)
 
 
 def bounced(one, velocity, spin=(0.0, 0.0, 0.0)):
@@ -66,15 +61,13 @@ def test_restitution_of_a_spring_and_a_damper(damping_ratio, expected):
     ],
 )
 def test_bounces_have_the_restitution_of_their_solref(solref, solimp):
-    one = solref_on_both(solref, solimp)
-    contact = table_contact(one.model, one.ball, one.frame)
+    one, contact = bouncing(solref, solimp)
     ratio = bounced(one, (0.0, 0.0, -3.0))[5] / 3.0
     assert ratio == pytest.approx(contact.restitution, abs=0.003)
 
 
 def test_depth_and_duration_of_a_bounce():
-    one = solref_on_both("-1000000 -300")
-    contact = table_contact(one.model, one.ball, one.frame)
+    one, contact = bouncing("-1000000 -300")
     launch = np.array([[0.0, -0.5, 0.0205, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0]])
     height = one.fly(launch, STEP * np.arange(400))[0, :, 2] - 0.02
     assert -height.min() == pytest.approx(contact.depth(3.0), rel=0.03)
@@ -87,7 +80,7 @@ def test_depth_and_duration_of_a_bounce():
 @pytest.mark.parametrize("spin", [(100.0, 0.0, 30.0), (-150.0, 40.0, 0.0)])
 def test_a_ball_that_slides_follows_coulomb(spin):
     velocity = (1.0, 8.0, -3.0)
-    one = paired(0.1, GENTLE)
+    one, _ = gripping(0.1, "0 -200")
     flown = bounced(one, velocity, spin)
     law = {"restitution": flown[5] / 3.0, "friction": 0.1}
     before = np.array([[0.0, -0.5, 0.0205, *velocity, *spin]])
@@ -104,8 +97,7 @@ def test_a_ball_that_slides_follows_coulomb(spin):
     ("shell", "cap", "slip_damping"), [(SHELL, 2 / 5, 47), (SHELL, 2 / 5, 1000), ("", 2 / 7, 200)]
 )
 def test_the_slip_that_a_bounce_ends(shell, cap, slip_damping):
-    one = paired(0.8, f"0 -{slip_damping}", shell)
-    contact = table_contact(one.model, one.ball, one.frame)
+    one, contact = gripping(0.8, f"0 -{slip_damping}", shell)
     flown = bounced(one, (0.0, 1.0, -3.0))
     assert 1.0 - flown[4] == pytest.approx(cap * contact.grip, rel=0.1)
 
@@ -115,8 +107,7 @@ def test_the_slip_that_a_bounce_ends(shell, cap, slip_damping):
     [("0 0", "elliptic", 47.0), ("0 -200", "pyramidal", 47.0), ("0 -200", "elliptic", 200.0)],
 )
 def test_slip_has_the_damping_of_the_normal_where_it_has_none_of_its_own(slip, cone, damping):
-    one = paired(0.8, slip, cone=cone)
-    assert table_contact(one.model, one.ball, one.frame).slip_damping == damping
+    assert gripping(0.8, slip, cone=cone)[1].slip_damping == damping
 
 
 @pytest.mark.parametrize(
@@ -134,7 +125,7 @@ def test_slip_has_the_damping_of_the_normal_where_it_has_none_of_its_own(slip, c
     ],
 )
 def test_contacts_are_those_that_mujoco_makes(geom, option, table, stiffness, damping):
-    contact = contact_of(geom, option, TABLE.replace("/>", f" {table}/>"))
+    contact = contact_of(geom, option, table)
     assert contact.stiffness == pytest.approx(stiffness)
     assert contact.damping == pytest.approx(damping)
 
@@ -148,21 +139,14 @@ def test_flags_override_all_contacts_and_leave_the_time_constant_as_it_is():
 
 
 def test_friction_is_the_larger_one_and_none_with_condim_1():
-    assert contact_of(
-        'friction=".3 0 0"', table=TABLE.replace("/>", ' friction=".2 0 0"/>')
-    ).friction == (0.3, 0.3)
-    frictionless = TABLE.replace("/>", ' condim="1"/>')
-    assert contact_of('condim="1"', table=frictionless).friction == (0.0, 0.0)
+    assert contact_of('friction=".3 0 0"', table='friction=".2 0 0"').friction == (0.3, 0.3)
+    assert contact_of('condim="1"', table='condim="1"').friction == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(
-    ("table", "rest"),
-    [
-        ("", ""),
-        (TABLE, '<option><flag contact="disable"/></option>'),
-        (TABLE, '<option o_solref="0 0"><flag override="enable"/></option>'),
-    ],
-    ids=["no table", "no contacts", "no spring"],
+    "option", ['<option><flag contact="disable"', '<option o_solref="0 0"><flag override="enable"']
 )
-def test_without_a_push_there_is_no_contact(table, rest):
-    assert contact_of(table=table, rest=rest) is None
+def test_without_a_push_or_a_table_there_is_no_contact(option):
+    assert contact_of(rest=f"{option}/></option>") is None
+    one = scene(SHELL, table="")
+    assert table_contact(one.model, one.ball, one.frame) is None

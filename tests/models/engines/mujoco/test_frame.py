@@ -18,35 +18,23 @@ def frame_of(world, option="", rest="", keep=None):
     return find_frame(model, find_ball(model))
 
 
+AXES = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+ALONG_X = '<geom type="box" size="1.37 .7625 .01" {}/>'
+ON_ITS_SIDE = '<geom type="box" size=".7625 .01 1.37" euler="90 0 0"/>'
+UPRIGHT = '<geom type="box" size=".7625 .01 1.37"/>'
+TWO = TABLE + '<geom type="box" size=".7625 1.37 .01" pos="0 0 .5"/>'
+
+
 @pytest.mark.parametrize(
     ("world", "option", "origin", "axes"),
     [
-        (TABLE, "", [0, 0, 0], [[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
-        (
-            '<geom type="box" size="1.37 .7625 .01" pos="1 2 .75"/>',
-            "",
-            [1, 2, 0.76],
-            [[0, -1, 0], [1, 0, 0], [0, 0, 1]],
-        ),
-        (  # on another of its sides
-            '<geom type="box" size=".7625 .01 1.37" euler="90 0 0"/>',
-            "",
-            [0, 0, 0.01],
-            [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
-        ),
-        (  # up is against gravity
-            '<geom type="box" size=".7625 .01 1.37"/>',
-            'gravity="0 -9.81 0"',
-            [0, 0.01, 0],
-            [[-1, 0, 0], [0, 0, 1], [0, 1, 0]],
-        ),
-        (  # the highest of two tables
-            TABLE + '<geom type="box" size=".7625 1.37 .01" pos="0 0 .5"/>',
-            "",
-            [0, 0, 0.51],
-            [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
-        ),
+        (TABLE, "", [0, 0, 0], AXES),
+        (ALONG_X.format('pos="1 2 .75"'), "", [1, 2, 0.76], [[0, -1, 0], [1, 0, 0], [0, 0, 1]]),
+        (ON_ITS_SIDE, "", [0, 0, 0.01], AXES),
+        (UPRIGHT, 'gravity="0 -9.81 0"', [0, 0.01, 0], [[-1, 0, 0], [0, 0, 1], [0, 1, 0]]),
+        (TWO, "", [0, 0, 0.51], AXES),
     ],
+    ids=["level", "along x", "on its side", "up is against gravity", "the highest of two"],
 )
 def test_the_frame_lies_on_the_table_along_it_and_up(world, option, origin, axes):
     frame = frame_of(world, option)
@@ -61,8 +49,7 @@ def test_the_frame_lies_on_the_table_along_it_and_up(world, option, origin, axes
     [(30, [0.866, 0.5]), (100, [-0.174, 0.985]), (135, [0.707, -0.707]), (170, [0.985, -0.174])],
 )
 def test_y_points_along_the_nearest_axis_of_the_world(degrees, y):
-    table = f'<geom type="box" size="1.37 .7625 .01" euler="0 0 {degrees}"/>'
-    frame = frame_of(table)
+    frame = frame_of(ALONG_X.format(f'euler="0 0 {degrees}"'))
     np.testing.assert_allclose(frame.axes[:2, 1], y, atol=1e-3)
     assert np.linalg.det(frame.axes) == pytest.approx(1.0)
 
@@ -74,6 +61,9 @@ def test_two_halves_and_their_net_are_a_table(other):
     np.testing.assert_allclose(frame.origin, [0.0, 0.0, 0.76], atol=1e-12)
     assert len(frame.geoms) == 2
     assert frame.length == pytest.approx(2.74)
+
+
+EXCLUDED = '<contact><exclude body1="desk" body2="ball"/></contact>'
 
 
 def test_a_table_that_is_not_level_keeps_its_normal():
@@ -92,11 +82,7 @@ def test_a_table_that_is_not_level_keeps_its_normal():
         (HALF.format("own", -0.9) + HALF.format("other", 0.9), None, ""),
         (TABLE.replace("/>", ' contype="0" conaffinity="0"/>'), None, ""),
         (TABLE, ball(f'{BALL} contype="2" conaffinity="2"'), ""),
-        (
-            f'<body name="desk">{TABLE}</body>',
-            None,
-            '<contact><exclude body1="desk" body2="ball"/></contact>',
-        ),
+        (f'<body name="desk">{TABLE}</body>', None, EXCLUDED),
         ('<geom type="box" size=".7625 1.37 .01" euler="40 0 0"/>', None, ""),
     ],
 )
@@ -119,7 +105,7 @@ def test_the_table_is_where_the_scene_starts():
 
 
 def test_states_return_from_the_world():
-    frame = frame_of('<geom type="box" size="1.37 .7625 .01" pos="1 2 .75" euler="0 0 20"/>')
+    frame = frame_of(ALONG_X.format('pos="1 2 .75" euler="0 0 20"'))
     world = frame.to_world(STATES)
     assert np.abs(world - STATES).max() > 0.5
     np.testing.assert_allclose(frame.to_table(world), STATES, atol=1e-12)

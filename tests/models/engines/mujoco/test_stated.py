@@ -11,15 +11,15 @@ from rallygap.models.engines.mujoco.stated import stated_effects
 from tests.models.engines.mujoco.scenes import SHELL, TABLE, air, pair, scene
 from tests.models.engines.mujoco.test_scene import BALLS, FLIGHT, STILL
 
-FRICTIONLESS = 'solref="-16000000 -150" condim="1"'
+STIFF = 'solref="-16000000 -150"'
+OWN = f'{STIFF} friction=".2 .2 0 0 0"'
+FRICTIONLESS = f'{STIFF} condim="1"'
 CLEAN = f"{SHELL} {air(0.47, 0.12)} {FRICTIONLESS}"
-GRIPPING = f'{SHELL} {air(0.47, 0.12)} solref="-16000000 -150" condim="3"'
+GRIPPING = f'{SHELL} {air(0.47, 0.12)} {STIFF} condim="3"'
 FAST = f'{SHELL} {air(0.47, 0.12)} solref=".00005 .1" condim="1" priority="1"'
 PLAIN = 'density="1.2" timestep=".00005"'
-TURNED = (
-    '<geom name="top" type="box" size="1.37 .7625 .01" pos="1 2 .75" euler="0 0 20" condim="1"/>'
-)
 LEVEL = TABLE.replace("/>", ' condim="1"/>')
+TURNED = LEVEL.replace('pos="0 0 -.0125"', 'pos="1 2 .7475" euler="0 0 110"')
 
 
 def notes_of(geom=CLEAN, option=PLAIN, table=LEVEL, **more):
@@ -101,10 +101,7 @@ def test_the_air_slows_spin_as_noted():
     ("word", "changed"),
     [
         ("vacuum", {"option": 'timestep=".00005"'}),
-        (
-            "vacuum",
-            {"rest": '<option><flag spring="disable" damper="disable"/></option>'},
-        ),
+        ("vacuum", {"rest": '<option><flag spring="disable" damper="disable"/></option>'}),
         ("wind has no effect", {"option": 'wind="1 0 0" timestep=".00005"'}),
         ("density of the air", {"option": 'density="1.225" timestep=".00005"'}),
         ("no fluidshape", {"geom": f'{SHELL} {FRICTIONLESS} fluidcoef=".235 0 0 0 .57"'}),
@@ -115,10 +112,7 @@ def test_the_air_slows_spin_as_noted():
         ("no gravity", {"option": f'{PLAIN} gravity="0 0 0"'}),
         ("no gravity", {"rest": '<option><flag gravity="disable"/></option>'}),
         ("shellinertia", {"geom": f"{air(0.47)} {FRICTIONLESS}"}),
-        (
-            "integrator=",
-            {"option": 'density="1.2" timestep=".0005" integrator="implicitfast"'},
-        ),
+        ("integrator=", {"option": 'density="1.2" timestep=".0005" integrator="implicitfast"'}),
         ("time steps", {"option": 'density="1.2" timestep=".0005"'}),
         ("time constant", {"geom": FAST}),
         ("differ in sign", {"geom": f'{CLEAN.replace("-150", "150")} priority="1"'}),
@@ -127,8 +121,8 @@ def test_the_air_slows_spin_as_noted():
         ("of the slip at most", {"geom": GRIPPING}),
         ("pyramid", {"geom": GRIPPING}),
         ("condim", {"geom": f"{GRIPPING}".replace('condim="3"', 'condim="4"')}),
-        ("takes restitution", {"rest": pair('friction=".2 .2 0 0 0" solreffriction="0 -5000"')}),
-        ("differs with direction", {"rest": pair('friction=".2 .3 0 0 0"')}),
+        ("takes restitution", {"rest": pair(f'{OWN} solreffriction="0 -5000"')}),
+        ("differs with direction", {"rest": pair(OWN.replace(".2 .2", ".2 .3"))}),
         ("weighs", {"geom": CLEAN, "size": 'size=".02" density="1000"'}),
         ("radius of", {"geom": CLEAN, "size": 'size=".019" mass=".0027"'}),
         ("damping of the free joint", {"joint": 'damping=".0001"'}),
