@@ -23,7 +23,6 @@ def fly(states, times):
 SPHERE = '<geom type="sphere" size=".02" mass=".0027"/>'
 BALL = f'<body name="ball"><freejoint/>{SPHERE}</body>'
 SPARE = f'<body name="spare" pos="1 0 0"><freejoint/>{SPHERE}</body>'
-UNREADABLE = "scene.xml: MuJoCo cannot read it: "
 needs_mujoco = pytest.mark.skipif(find_spec("mujoco") is None, reason="MuJoCo is not installed")
 
 
@@ -67,11 +66,9 @@ def test_a_function_of_a_file_or_of_a_module(code, name):
         ("nowhere.at_all:fly", "cannot be imported: ModuleNotFoundError"),
         ("litrature", "did you mean literature"),
         pytest.param("none.xml", "there is no such file", marks=needs_mujoco),
-        pytest.param("folder.xml", "there is no such file", marks=needs_mujoco),
     ],
 )
 def test_what_cannot_be_had_is_one_sentence(code, name, problem):
-    Path("folder.xml").mkdir()
     with pytest.raises(InputError, match=problem):
         load_engine(name)
 
@@ -86,27 +83,18 @@ def test_a_scene_has_the_name_of_its_file(folder):
 @pytest.mark.parametrize(
     ("world", "problem"),
     [
-        ("", "scene.xml: there is no ball, that is a body with a free joint"),
-        (BALL + SPARE, "scene.xml: 2 bodies can be the ball: ball, spare; name one of them"),
-        ("<body><freejoint/></body>", f"{UNREADABLE}Error: mass and inertia"),
-        ('<geom type="round"/>', f"{UNREADABLE}XML Error: .*keyword: 'round'"),
-        ('<geom type="mesh" mesh="none"/>', f"{UNREADABLE}.*none"),
-        ("<body>", f"{UNREADABLE}XML parse error"),
+        ("", "there is no ball, that is a body with a free joint"),
+        (BALL + SPARE, "2 bodies can be the ball: ball, spare; name one of them"),
+        ('<geom type="round"/>', "MuJoCo cannot read it: XML Error: .*keyword: 'round'"),
+        ("<body>", "MuJoCo cannot read it: XML parse error"),
+        ("\0", "MuJoCo cannot read it: "),
     ],
 )
 def test_a_file_that_is_no_scene_with_a_ball_is_refused(folder, world, problem):
-    with pytest.raises(InputError, match=problem) as caught:
+    with pytest.raises(InputError, match=f"scene.xml: {problem}") as caught:
         load_scene(scene_of(world))
     assert "\n" not in str(caught.value)
     assert [path.name for path in folder.iterdir()] == ["scene.xml"]  # MuJoCo logs nothing
-
-
-@needs_mujoco
-@pytest.mark.parametrize("content", [b"", b"\x00\xff\xfe", b"ball: {}\n", b"<robot/>"])
-def test_other_files_are_refused(folder, content):
-    (folder / "scene.xml").write_bytes(content)
-    with pytest.raises(InputError, match=r"scene\.xml: "):
-        load_scene("scene.xml")
 
 
 def test_without_mujoco_one_line_says_what_brings_it(folder, monkeypatch):

@@ -7,16 +7,14 @@ import pytest
 from typer.testing import CliRunner
 
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.gap.settings import DEFAULTS
 from rallygap.pipeline.cli import app
 from rallygap.pipeline.gap import diagnose_folder as diagnosis
 from rallygap.pipeline.gap.diagnose_folder import diagnose_folder, write_findings
 from rallygap.pipeline.gap.expected_balls import read_expected
-from rallygap.pipeline.gap.provenance import made_from
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.recorded import NOMINAL, write_recordings
-from tests.pipeline.verdicts import CAMERA, CAMERA_NODES, MINOR, WIND, findings, verdict
+from tests.pipeline.verdicts import CAMERA, CAMERA_NODES, MINOR, findings, verdict
 
 FILES = ["amended.yaml", "balls.json", "figures/causes.png", "figures/discrepancy.png"]
 FILES += ["figures/errors.png", "figures/growth.png", "report.html", "verdict.json"]
@@ -84,6 +82,7 @@ def test_a_function_is_audited_and_given_back_as_code_with_doubts_as_limitations
     (doubt,) = (line for line in said if "rounded to 1 ms" in line)
     assert doubt == f"Doubtful: {found.verdict.limitations[0]}."
     assert found.verdict.limitations[1:] == verdict().limitations
+    assert found.verdict.made_from.simulator == "mine.py:fly"
     assert files(out) == sorted([*FILES, "ball_effects.py"])
     code = (out / "ball_effects.py").read_text()
     assert "wind.x: missing before; estimated" in code and "def fly(states, times):" in code
@@ -91,27 +90,11 @@ def test_a_function_is_audited_and_given_back_as_code_with_doubts_as_limitations
     assert files(out) == FILES
 
 
-def test_minor_structure_is_amended_on_request_only(tmp_path, monkeypatch):
-    monkeypatch.setattr(diagnosis, "figures_of", lambda found: [])
-    found = findings(verdict(causes=(WIND, MINOR)))
-    for minor in (False, True):
-        write_findings(replace(found, minor=minor), tmp_path)
-        amended = load_simulator(str(tmp_path / "amended.yaml")).effects
-        assert ("spin_decay" in amended) == minor
-        assert amended["wind"]["x"] == WIND.estimate
-
-
-def test_a_verdict_keeps_the_settings_that_differ_from_the_default():
-    settings = replace(DEFAULTS, level=0.01, fit=replace(DEFAULTS.fit, refit_steps=9))
-    nominal = load_simulator(NOMINAL)
-    origin = made_from("lab", "takes", (3, 40), nominal, "/home/me/sim.yaml", settings)
-    assert origin.settings == {"level": 0.01, "fit.refit_steps": 9}
-    assert (origin.simulator, origin.effects) == ("sim.yaml", nominal.to_dict())
-
-
-def test_a_later_verdict_replaces_an_earlier_one_and_nothing_else(tmp_path):
-    write_findings(findings(verdict(causes=(CAMERA,), camera=CAMERA_NODES)), tmp_path)
+def test_a_later_verdict_replaces_an_earlier_one_with_minor_structure_and_nothing_else(tmp_path):
+    earlier = findings(verdict(causes=(CAMERA, MINOR), camera=CAMERA_NODES))
+    write_findings(replace(earlier, minor=True), tmp_path)
     assert "figures/camera.png" in files(tmp_path)
+    assert "spin_decay" in load_simulator(str(tmp_path / "amended.yaml")).effects
     (tmp_path / "notes.txt").write_text("mine")
     write_findings(findings(verdict("no_gap", (), gap=None)), tmp_path)
     assert files(tmp_path) == [

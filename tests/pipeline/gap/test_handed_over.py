@@ -6,24 +6,18 @@ import pytest
 
 pytest.importorskip("mujoco")
 
-from rallygap.pipeline.engines.export.scene.amended_scene import AmendedScene
 from rallygap.pipeline.engines.load import load_scene
 from rallygap.pipeline.gap.diagnose_folder import diagnose_folder, handed_over, write_findings
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.engines.export.scenes import SCENE, does, file_of
-from tests.pipeline.verdicts import WIND, findings, verdict
+from tests.pipeline.verdicts import findings
 
 ORIGIN = "wind.x: missing before; estimated 0.61 m/s from lab (95 % 0.59 to 0.63); verdict named"
 
 
-def found_in(folder, text):
-    source = file_of(folder, text)
-    found = findings(verdict(causes=(WIND,)), str(source.path))
-    return replace(found, simulator=does(source))
-
-
 def test_a_scene_and_code_are_given_back_with_their_verification(tmp_path):
-    found = found_in(tmp_path, SCENE)
+    source = file_of(tmp_path, SCENE)
+    found = replace(findings(simulator_name=str(source.path)), simulator=does(source))
     handed = handed_over(found)
     assert ORIGIN in handed.text and ORIGIN in handed.code
     assert handed.sentences[0] == "Changed attributes of lab.xml: wind."
@@ -37,10 +31,8 @@ def test_a_scene_and_code_are_given_back_with_their_verification(tmp_path):
     assert not (out / "scene.xml").exists() and not (out / "ball_effects.py").exists()
 
 
-def test_a_scene_of_the_user_stays(tmp_path):
-    found = replace(found_in(tmp_path, SCENE), handed=AmendedScene(None, "", ()))
+def test_a_scene_of_the_user_is_not_replaced(tmp_path):
+    source = file_of(tmp_path, SCENE)
     (tmp_path / "scene.xml").write_text(SCENE)
-    write_findings(found, tmp_path)
-    assert (tmp_path / "scene.xml").read_text() == SCENE
     with pytest.raises(InputError, match=r"has a scene\.xml of yours"):
-        diagnose_folder(tmp_path, "csv", str(tmp_path / "lab.xml"), 0.003, tmp_path)
+        diagnose_folder(tmp_path, "csv", str(source.path), 0.003, tmp_path)

@@ -4,14 +4,8 @@ import numpy as np
 import pytest
 
 from rallygap.models.predictors.windows import Episode
-from rallygap.pipeline.gap.shots import (
-    net_contacts,
-    read_training_shots,
-    shots_of,
-    source_shots,
-)
+from rallygap.pipeline.gap.shots import net_contacts, source_shots
 from rallygap.pipeline.io.episodes import MeasuredEpisode
-from tests.pipeline.measured_shots import shot_tables, write_inputs
 
 
 def episode(samples=20, touched=(), nets=(), bounces=(), unbroken=True):
@@ -27,7 +21,6 @@ def episode(samples=20, touched=(), nets=(), bounces=(), unbroken=True):
     ("one", "left_out"),
     [
         (episode(), {}),
-        (episode(bounces=[0.095]), {}),
         (episode(touched=[0.155], bounces=[0.095]), {}),
         (episode(nets=[0.095]), {"too short": 1}),
         (episode(samples=12), {"too short": 1}),
@@ -62,18 +55,3 @@ def test_contacts_with_short_arcs_or_other_things_do_not_serve():
         episode(samples=18, nets=[0.155]),
     ]
     assert len(net_contacts(others)) == 0
-
-
-def test_training_shots_are_those_that_predictors_learn_from(tmp_path):
-    kept = [shot_tables("labelled", 3, split="train"), shot_tables("plain", 4, split="train")]
-    others = [
-        shot_tables("labelled", 4, split="validation"),
-        shot_tables("labelled", 5, split="replay"),
-        shot_tables("labelled", 6, split="train", unbroken=False),
-    ]
-    write_inputs(tmp_path, shots=[*kept, *others], sources=("labelled", "plain"))
-    found = read_training_shots(tmp_path / "artifacts")
-    names = {source: [one.episode_id for one in shots.members] for source, shots in found.items()}
-    assert names == {"labelled": ["labelled/3/00"], "plain": ["plain/4/00"]}
-    labelled, plain = (shots_of(shots.members) for shots in found.values())
-    assert labelled.labelled.sum() == 1 and not plain.labelled.any()

@@ -5,18 +5,15 @@ import hashlib
 import numpy as np
 import pytest
 
-from rallygap.pipeline.io.artifacts import read_row_groups, write_json
-from rallygap.pipeline.io.schemas import LAUNCHES, RECORDINGS, checked
-from rallygap.pipeline.io.source_manifest import read_manifest
+from rallygap.pipeline.io.artifacts import read_row_groups
 from rallygap.pipeline.params import IngestSettings
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sources import source_import
 from rallygap.pipeline.sources.gather import gather
-from tests.pipeline.sources.made_up import ARENA, WRITERS, lines, read, write_csv, write_lines
+from tests.pipeline.sources.made_up import ARENA, WRITERS, lines, read, write_csv
 
 HEADER = "t,x,y,z"
 GOOD = ["0.00,0,1,0.3", "0.01,0,1,0.3", "0.02,0,1,0.3"]
-PNG = b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\xff\xfe"
 
 
 def read_rows(tmp_path, *rows):
@@ -28,18 +25,12 @@ def read_rows(tmp_path, *rows):
     ("row", "reason"),
     [
         ("0.015,0,one,0.3", "not a number"),
-        ("0.015,0,,0.3", "not a number"),
         ("0.015,0,nan,0.3", "not a number"),
-        ("0.015,0,inf,0.3", "not a number"),
         ("0.015,0,1e999,0.3", "not a number"),
-        ("late,0,1,0.3", "not a number"),
         ("0.015,0,1", "wrong number of fields"),
         ("0.015,0,1,0.3,7", "wrong number of fields"),
-        ("0.015,1000000,1,0.3", "farther than 20 m"),
         ("0.015,0,-20.001,0.3", "farther than 20 m"),
-        ("0.01,0,1,0.3", "time repeated"),
         ("0.0100001,0,1,0.3", "time repeated"),
-        ("0.005,0,1,0.3", "time backwards"),
     ],
 )
 def test_an_impossible_row_is_refused_and_the_rest_kept(tmp_path, row, reason):
@@ -87,15 +78,6 @@ def test_a_file_without_a_usable_row_is_one_error(tmp_path, rows, problem):
 
 
 @pytest.mark.parametrize("source", WRITERS)
-@pytest.mark.parametrize("content", [b"", PNG, b"hello\n", b'{"a": 1}\n'])
-def test_a_file_that_is_not_what_its_name_says_is_one_error(tmp_path, source, content):
-    path = WRITERS[source](tmp_path)
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=path.name):
-        read(tmp_path, source)
-
-
-@pytest.mark.parametrize("source", WRITERS)
 def test_a_folder_that_is_missing_or_empty_is_one_error(tmp_path, source):
     with pytest.raises(InputError, match=rf"{source}: there is no such folder; set ingest\.folder"):
         read(tmp_path, source)
@@ -104,13 +86,10 @@ def test_a_folder_that_is_missing_or_empty_is_one_error(tmp_path, source):
         read(tmp_path, source)
 
 
-def test_a_folder_that_is_not_set_names_the_setting(monkeypatch):
+def test_a_folder_that_is_not_set_or_cannot_be_looked_at_is_one_error(tmp_path, monkeypatch):
     monkeypatch.delenv("RALLYGAP_DATA", raising=False)
     with pytest.raises(InputError, match=r"ingest\.folder: is not set, nor is RALLYGAP_DATA"):
         read(None, "tt3d")
-
-
-def test_a_folder_that_cannot_be_looked_at_is_one_error(tmp_path):
     with pytest.raises(InputError, match="cannot be read: File name too long"):
         read(tmp_path / ("x" * 300), "csv")
 
@@ -145,18 +124,7 @@ def everything(folder):
     return read(folder, *WRITERS)
 
 
-def test_all_sources_end_in_the_two_tables(everything):
-    checked(everything.recordings, RECORDINGS)
-    checked(everything.launches, LAUNCHES)
-    sources = everything.recordings["recording_id"].str.split("/").str[0].unique()
-    assert sources.tolist() == ["spindoe", "tt3d", "isr_ball_prediction", "csv"]
-    assert len(everything.launches) == 3
-
-
-def test_the_manifest_has_checksums_and_can_be_read_again(tmp_path, folder, everything):
-    write_json(tmp_path / "manifest.json", everything.manifest.model_dump(mode="json"))
-    assert read_manifest(tmp_path / "manifest.json") == everything.manifest
-    assert str(folder) not in (tmp_path / "manifest.json").read_text()
+def test_the_manifest_has_checksums(folder, everything):
     (entry,) = everything.manifest.sources["tt3d"].files
     content = (folder / "tt3d" / "003.csv").read_bytes()
     assert (entry.file, entry.sha256) == ("003.csv", hashlib.sha256(content).hexdigest())
@@ -172,27 +140,18 @@ def test_the_size_of_a_batch_changes_nothing(folder, everything, monkeypatch, ba
 
 
 def test_a_row_group_has_whole_recordings(tmp_path, monkeypatch):
-    for name in ("a", "b", "c", "d", "e"):
+    for name in "abcde":
         write_csv(tmp_path, f"{name}.csv", rows=[HEADER, *GOOD])
     monkeypatch.setattr(source_import, "BATCH_ROWS", 5)
     gather(IngestSettings(folder=tmp_path, sources=["csv"], arena=ARENA), 0, tmp_path)
-    groups = list(read_row_groups(tmp_path / "recordings.parquet"))
-    assert [group["recording_id"].unique().tolist() for group in groups] == [
-        ["csv/a", "csv/b"],
-        ["csv/c", "csv/d"],
-        ["csv/e"],
-    ]
-
-
-def test_a_manifest_of_another_form_is_one_error(tmp_path):
-    write_json(tmp_path / "manifest.json", {"sources": {"tt3d": {"kind": "match"}}})
-    with pytest.raises(InputError, match=r"manifest\.json, sources\.tt3d.*dvc repro -f ingest"):
-        read_manifest(tmp_path / "manifest.json")
+    groups = read_row_groups(tmp_path / "recordings.parquet")
+    names = [group["recording_id"].unique().tolist() for group in groups]
+    assert names == [["csv/a", "csv/b"], ["csv/c", "csv/d"], ["csv/e"]]
 
 
 def test_the_rate_is_the_median_over_all_recordings(tmp_path):
     for name, step in {"a": 0.005, "b": 0.005, "c": 0.02}.items():
         times = step * np.arange(20)
         rows = lines(",", times, np.tile([0.0, 1.0, 0.3], (20, 1)))
-        write_lines(tmp_path / "csv" / f"{name}.csv", [HEADER, *rows])
+        write_csv(tmp_path, f"{name}.csv", [HEADER, *rows])
     assert read(tmp_path, "csv").manifest.sources["csv"].rate_hz == 200.0

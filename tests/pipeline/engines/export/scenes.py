@@ -21,6 +21,7 @@ SCENE = """<?xml version="1.0"?>
   </worldbody>
 </mujoco>
 """
+POST = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"  # a mesh
 PLAIN = """<mujoco>{head}<worldbody>
 <geom type="box" size=".7625 1.37 .0125" pos="0 0 -.0125" friction="0 0 0"/>
 <body name="ball" pos="0 0 .5"><freejoint/>

@@ -9,7 +9,7 @@ from rallygap.models.engines.mujoco.contact import table_contact
 from rallygap.pipeline.engines.export.scene.amendment import SceneFile
 from rallygap.pipeline.engines.load import load_scene
 from rallygap.pipeline.runtime.errors import InputError
-from tests.pipeline.engines.export.scenes import SCENE, amended, file_of, plain
+from tests.pipeline.engines.export.scenes import POST, SCENE, amended, file_of, plain
 
 DRAG = {"drag": {"cd": 0.47}}
 WIND = {"wind": {"x": 0.5}}
@@ -40,9 +40,7 @@ def test_all_but_the_value_stays(tmp_path, changes, before, after):
 def test_where_nothing_changes_the_written_scene_has_what_its_file_has(tmp_path):
     (tmp_path / "base.xml").write_text('<mujoco><option wind="1 0 0" density="1"/></mujoco>')
     (tmp_path / "shapes").mkdir()
-    (tmp_path / "shapes" / "post.obj").write_text(
-        "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-    )
+    (tmp_path / "shapes" / "post.obj").write_text(POST)
     head = (
         '<compiler meshdir="shapes" angle="degree"/><include file="base.xml"/>'
         '<default><default class="soft"><geom solref=".03 1"/></default></default>'
@@ -102,11 +100,6 @@ def test_attributes_of_a_default_class_are_overridden_at_the_geom(tmp_path):
     ("head", "changes", "problem"),
     [
         ('<option><flag gravity="disable"/></option>', {"gravity": {"g": 9.0}}, "gravity off"),
-        (
-            '<option><flag spring="disable" damper="disable"/></option>',
-            DRAG,
-            "switches all passive forces",
-        ),
         (
             '<option o_solref="-1000000 -60"><flag override="enable"/></option>',
             {"table_bounce": {"restitution": 0.95}},

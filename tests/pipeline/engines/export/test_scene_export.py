@@ -14,7 +14,7 @@ from rallygap.pipeline.engines.export.scene.verification import (
 )
 from rallygap.pipeline.engines.load import load_scene
 from rallygap.pipeline.runtime.errors import InputError
-from tests.pipeline.engines.export.scenes import SCENE, amended, changed, does, file_of, plain
+from tests.pipeline.engines.export.scenes import POST, SCENE, amended, changed, does, file_of
 
 LIST = """gravity: {g: 9.81}
 # drag.cd: 0.3 before; estimated 0.47 from lab (95 % 0.46 to 0.48); verdict named
@@ -22,9 +22,6 @@ drag: {cd: 0.47}
 magnus: {cm: 0.05}
 table_bounce: {restitution: 0.93, friction: 0.0}
 """
-
-
-POST = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 
 
 def few(simulator):
@@ -99,18 +96,14 @@ def test_euler_does_not_meet_the_limit_and_the_step_that_does_is_given(tmp_path)
 def test_what_no_attribute_says_is_said_with_its_cost(tmp_path):
     changes = {
         "spin_decay": {"c": 0.02},
-        "lift_saturation": {"kappa": 1.0},
         "table_height": {"h": 0.002},
         "linear_drag": {"k1": 0.05},
         "time_offset": {"tau": 0.01},
     }
     found = amended(tmp_path, SCENE, changes)
-    *costs, viscosity = not_stated(found, does(file_of(tmp_path, SCENE)))
-    begins = ("spin_decay.c 0.02 1/m", "lift_saturation.kappa 1", "table_height.h 0.002 m (move")
-    assert len(costs) == 3
-    for sentence in costs:
-        assert any(f"says {begin}" in sentence for begin in begins)
-        assert "without it the ball is up to" in sentence
+    spin, height, viscosity = not_stated(found, does(file_of(tmp_path, SCENE)))
+    assert "says spin_decay.c 0.02 1/m; without it the ball is up to" in spin
+    assert "says table_height.h 0.002 m (move" in height
     assert viscosity.startswith("Viscosity, which says linear_drag.k1, also slows spin, by 0.1 of")
 
 
@@ -129,8 +122,8 @@ def amended_of(folder, text, changes):
 
 
 def test_a_scene_that_cannot_be_amended_leaves_verified_code(tmp_path):
-    head = '<option timestep=".005"><flag spring="disable" damper="disable"/></option>'
-    found = amended_of(tmp_path, plain(head=head), {"drag": {"cd": 0.47}})
+    flags = '<option><flag spring="disable" damper="disable"/></option><worldbody>'
+    found = amended_of(tmp_path, SCENE.replace("<worldbody>", flags), {"drag": {"cd": 0.47}})
     assert found.text is None and "passive forces" in str(found.problem)
     assert found.sentences[0] == f"There is no amended scene.xml: {found.problem}."
     assert found.sentences[1].startswith("ball_effects.py: 40 shots differ")
@@ -149,17 +142,11 @@ def test_what_the_written_scene_has_not_is_said(tmp_path):
 
 
 def test_without_a_table_flights_alone_are_compared(tmp_path):
-    found = amended(
-        tmp_path,
-        '<mujoco><option integrator="RK4"/><worldbody><body><freejoint/>'
-        '<geom type="sphere" size=".02" mass=".0027"/></body></worldbody></mujoco>',
-        {"drag": {"cd": 0.47}},
-    )
+    text = "".join(line for line in SCENE.splitlines(True) if 'name="table"' not in line)
+    found = amended(tmp_path, text, {"drag": {"cd": 0.47}})
     shots = few(found.after)
-    assert found.changes == ("density", "fluidshape", "fluidcoef")
-    assert len(shots.bounces) == 0
     (said,) = scene_sentences(found.scene, found.after, shots, "scene.xml")
-    assert said.startswith("scene.xml, RK4 at 2 ms: 8 shots differ from the list by at most 0.0")
+    assert said.startswith("scene.xml, RK4 at 1 ms: 8 shots differ from the list by at most 0.0")
     bouncing = found.after.amended("table_bounce", restitution=0.9, friction=0.2)
     *_, last = scene_sentences(found.scene, bouncing, shots, "scene.xml")
     assert last == "scene.xml has no contact of ball and table, so bounces are not compared."

@@ -37,39 +37,25 @@ def test_an_empty_spin_is_no_label_and_half_of_one_is_refused(tmp_path):
     assert record.spin == "per_sample"
 
 
-def test_source_yaml_moves_positions_and_turns_spins(tmp_path):
-    # Table x is the source's y, table y is its -x: the ball flies along the source's +x.
-    turned = "frame: {rotation: [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], offset: [0, 2, -0.76]}"
-    rows = ["t,x,y,z,wx,wy,wz", "0,0.5,0.1,1.06,1,2,3", "0.01,0.6,0.1,1.06,1,2,3"]
-    write_csv(tmp_path, rows=rows, settings=turned)
-    first = read(tmp_path, "csv").recordings.iloc[0]
-    assert first[POSITION_COLUMNS].to_numpy(float) == pytest.approx([0.1, 1.5, 0.3])
-    assert first[SPIN_COLUMNS].tolist() == [2, -1, 3]
-
-
-def test_source_yaml_states_units_and_axes_before_the_frame(tmp_path):
+def test_source_yaml_states_units_and_axes_and_then_the_frame(tmp_path):
+    # After units and axes, table x is the source's y, and table y is its -x.
     settings = """
-        units: {position: mm, time: ms, spin: -rpm}
+        units: {position: mm, time: ms, spin: -deg/s}
         axes: [x, z, y]
-        frame: {offset: [0, 0, -0.76]}
+        frame: {rotation: [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], offset: [0, 2, -0.76]}
         """
-    rows = ["t,x,y,z,wx,wy,wz", "5,100,1060,500,30,-60,90", "10,100,1060,500,,,"]
+    rows = ["t,x,y,z,wx,wy,wz", "5,100,1060,500,9000,-60,90", "10,100,1060,500,,,"]
     write_csv(tmp_path, rows=rows, settings=settings)
-    recordings = read(tmp_path, "csv").recordings
-    assert recordings["t"].tolist() == [0.005, 0.01]
-    assert recordings[POSITION_COLUMNS].iloc[0].tolist() == pytest.approx([0.1, 0.5, 0.3])
-    assert recordings[SPIN_COLUMNS].iloc[0].tolist() == pytest.approx(
-        [-np.pi, -3 * np.pi, 2 * np.pi]
-    )
-    assert recordings["wx"].isna().tolist() == [False, True]
-
-
-def test_spins_that_are_plausible_in_their_unit_are_kept(tmp_path):
-    rows = ["t,x,y,z,wx,wy,wz", "0,0,1,0.3,9000,0,0", "0.01,0,1,0.3,0,0,9000"]
-    write_csv(tmp_path, rows=rows, settings="units: {spin: deg/s}")
     gathered = read(tmp_path, "csv")
+    recordings = gathered.recordings
+    assert recordings["t"].tolist() == [0.005, 0.01]
+    first = recordings.iloc[0]
+    assert first[POSITION_COLUMNS].tolist() == pytest.approx([0.5, 1.9, 0.3])
+    spin = [-np.pi / 2, 50 * np.pi, np.pi / 3]
+    assert first[SPIN_COLUMNS].tolist() == pytest.approx(spin)
+    assert recordings["wx"].isna().tolist() == [False, True]
+    # 9000 is plausible in its unit.
     assert gathered.manifest.sources["csv"].labels_refused == {}
-    assert gathered.recordings["wx"].iloc[0] == pytest.approx(50 * np.pi)
 
 
 def test_source_yaml_names_and_describes_the_source(tmp_path):
@@ -91,20 +77,12 @@ def test_source_yaml_names_and_describes_the_source(tmp_path):
         ("name: Lab B", "name"),
         ("kind: launches", "kind"),
         ("frame: {rotation: [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}", "frame"),
-        ("frame: {rotation: [[2, 0, 0], [0, 2, 0], [0, 0, 2]]}", "frame"),
         ("frame: {offset: [0, 0]}", "frame.offset"),
         ("units: {position: km}", "units.position"),
-        ("units: {spin: RPM}", "units.spin"),
         ("units: {length: mm}", "units.length"),
-        ("units: mm", "units"),
         ("axes: [x, y]", "axes"),
         ("axes: [x, y, y]", "axes"),
-        ("axes: [x, y, up]", "axes"),
         ("[1, 2]", ""),
-        ("rate: [", ""),
-        ("rate: 2001-99-99", ""),
-        ("2001-09-09: rate", ""),
-        ("rate: &a [*a]", ""),
     ],
 )
 def test_a_source_yaml_that_says_nonsense_is_one_error(tmp_path, text, field):

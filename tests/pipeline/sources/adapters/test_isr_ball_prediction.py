@@ -8,28 +8,31 @@ from rallygap.pipeline.io.schemas import POSITION_COLUMNS
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import PATH, TIMES, read, write_isr
 
+NAME = "isr_ball_prediction"
 
-def change(path, name, value):
-    with h5py.File(path, "r+") as file:
-        del file[name]
-        if value is not None:
-            file[name] = value
+
+def write_changed(folder, changes):
+    """Write shots, of which some parts are others or None."""
+    with h5py.File(write_isr(folder), "r+") as file:
+        for name, value in changes.items():
+            del file[name]
+            if value is not None:
+                file[name] = value
 
 
 def test_shots_keep_their_order_and_are_turned_towards_the_robot_over_the_table(tmp_path):
     write_isr(tmp_path)
-    recordings = read(tmp_path, "isr_ball_prediction").recordings
+    recordings = read(tmp_path, NAME).recordings
     names = recordings["recording_id"].unique()
     assert [name[-3:] for name in names] == ["000", "002", "010"]
-    shot = recordings[recordings["recording_id"] == "isr_ball_prediction/no_spin_000"]
+    shot = recordings[recordings["recording_id"] == f"{NAME}/no_spin_000"]
     assert np.allclose(shot[POSITION_COLUMNS], PATH, atol=1e-12)
     assert np.array_equal(shot["t"], TIMES)
 
 
 def test_a_refused_sample_is_named_with_its_shot(tmp_path):
-    times = [*TIMES[:2], np.nan, TIMES[3]]
-    change(write_isr(tmp_path), "originals/2/time_stamps", times)
-    record = read(tmp_path, "isr_ball_prediction").manifest.sources["isr_ball_prediction"]
+    write_changed(tmp_path, {"originals/2/time_stamps": [*TIMES[:2], np.nan, TIMES[3]]})
+    record = read(tmp_path, NAME).manifest.sources[NAME]
     assert record.rows_refused["not a number"].rows == {"no_spin.hdf5/originals/2": [3]}
 
 
@@ -37,50 +40,32 @@ def test_a_refused_sample_is_named_with_its_shot(tmp_path):
     ("changes", "problem"),
     [
         ({"originals": None}, ""),
-        ({"originals": 1.0}, ""),
         ({"originals/0/positions": None}, ""),
-        ({"originals/0/positions": np.zeros((4, 2))}, ""),
-        ({"originals/0/positions": np.zeros((5, 3))}, ""),
-        ({"originals/0/time_stamps": np.array([b"a", b"b", b"c", b"d"])}, ""),
         ({"originals/0/time_stamps": 0.0}, ""),
         ({f"originals/{shot}": None for shot in (0, 2, 10)}, "there is no shot in it"),
         (
             {"originals/2/time_stamps": np.zeros(0), "originals/2/positions": np.zeros((0, 3))},
             "shot 2 has no samples",
         ),
-        (
-            {"originals/2/time_stamps": TIMES[:, None], "originals/2/positions": PATH[:, None]},
-            "shot 2 has",
-        ),
+        ({"originals/2/positions": np.zeros((5, 3))}, r"shot 2 has \(4,\) times, \(5, 3\) pos"),
     ],
 )
 def test_another_hdf5_file_is_one_error(tmp_path, changes, problem):
-    path = write_isr(tmp_path)
-    for name, value in changes.items():
-        change(path, name, value)
+    write_changed(tmp_path, changes)
     with pytest.raises(InputError, match=rf"no_spin\.hdf5: is no whole HDF5 file.*{problem}"):
-        read(tmp_path, "isr_ball_prediction")
+        read(tmp_path, NAME)
 
 
 def test_two_shots_of_one_name_are_one_error(tmp_path):
     write_isr(tmp_path, shots=("1", "01"))
     with pytest.raises(InputError, match=r"/originals/0?1: there is another recording no_spin_001"):
-        read(tmp_path, "isr_ball_prediction")
-
-
-@pytest.mark.parametrize("share", [0.1, 0.9])
-def test_a_truncated_file_is_one_error(tmp_path, share):
-    path = write_isr(tmp_path)
-    content = path.read_bytes()
-    path.write_bytes(content[: int(share * len(content))])
-    with pytest.raises(InputError, match="is no whole HDF5 file"):
-        read(tmp_path, "isr_ball_prediction")
+        read(tmp_path, NAME)
 
 
 @pytest.mark.real
 def test_the_real_shots_bounce_on_the_table(real_data):
-    gathered = read(real_data, "isr_ball_prediction")
-    record, recordings = gathered.manifest.sources["isr_ball_prediction"], gathered.recordings
+    gathered = read(real_data, NAME)
+    record, recordings = gathered.manifest.sources[NAME], gathered.recordings
     assert record.recordings == 73
     assert record.rows_kept == record.rows_read
     assert record.rate_hz == pytest.approx(179, abs=1)
