@@ -3,17 +3,13 @@
 import faulthandler
 import resource
 import signal
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
-
 from rallygap.pipeline.runtime.errors import InputError
 from tests.fuzz.hostile import SENTINEL
-from tests.fuzz.mutations import mutated
 from tests.fuzz.readers import Reader
 
 Outcome = Literal["refused", "in_part", "accepted", "fault"]
@@ -28,23 +24,6 @@ MOST_SHOWN = 400  # characters of a fault
 
 class TooLong(BaseException):
     """A reader works for too long; no error, so that no reader takes it for one of its file's."""
-
-
-def inputs(reader: Reader, count: int, whole: bytes) -> Iterator[bytes]:
-    """Yield the file itself, every hostile one, and mutations of the file, ``count`` in all."""
-    made = [whole, *reader.hostile]
-    yield from made[:count]
-    for number in range(count - len(made)):
-        yield mutated(whole, np.random.default_rng([number, *reader.name.encode()]))
-
-
-def tried(reader: Reader, count: int) -> Iterator[tuple[Outcome, str, bytes]]:
-    """Yield the outcome of each input, its message, and the input."""
-    with tempfile.TemporaryDirectory(prefix="rallygap-fuzz.") as name, limited_memory():
-        path = reader.write(Path(name))
-        for content in inputs(reader, count, path.read_bytes()):
-            path.write_bytes(content)
-            yield *outcome(reader, Path(name), path), content
 
 
 def outcome(reader: Reader, folder: Path, path: Path) -> tuple[Outcome, str]:
