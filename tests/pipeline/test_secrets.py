@@ -1,19 +1,14 @@
 """Passwords stay where they were put, and servers listen on this machine alone."""
 
-import os
 import re
-import subprocess
-from pathlib import Path
 
 import pytest
 
-from rallygap.pipeline import cli
 from rallygap.pipeline.runtime.provenance import Provenance
 from rallygap.pipeline.tracking.recording import recorded, stage_start, without_secrets
 from rallygap.pipeline.tracking.results import Results
-from tests.services import free_port
+from tests.clone import ROOT, run
 
-ROOT = Path(__file__).parents[2]
 ORIGIN = Provenance("python -m rallygap.stages.segment", "f" * 64)
 SECRET = "hunter2"
 STORES = [
@@ -56,26 +51,13 @@ def test_a_password_in_the_address_of_the_store_is_in_no_record_and_no_message(
     assert "127.0.0.1:9" in message
 
 
-def test_the_pages_of_mlflow_are_lean_and_asked_to_listen_on_loopback(monkeypatch):
-    started = {}
-    monkeypatch.setenv("MLFLOW_SERVER_ENABLE_JOB_EXECUTION", "")
-    monkeypatch.setattr(os, "execv", lambda program, words: started.update(words=words))
-    cli.ui(free_port())
-    words = started["words"]
-    assert words[words.index("--host") + 1] == "127.0.0.1"
-    assert words[words.index("--workers") + 1] == "1"
-    assert os.environ["MLFLOW_SERVER_ENABLE_JOB_EXECUTION"] == "false"
-
-
 # They look for such addresses.
 WATCHING = {"tests/pipeline/test_secrets.py", "tests/faults/test_exposure.py"}
 
 
 def tracked_texts():
-    command = ["git", "ls-files"]
-    listed = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
     endings = (".py", ".md", ".yaml", ".toml", ".sh", "Makefile")
-    for name in listed.stdout.split():
+    for name in run(ROOT, "git", "ls-files").split():
         path = ROOT / name
         if name.endswith(endings) and name not in WATCHING and path.is_file():
             yield name, path.read_text(encoding="utf-8")
