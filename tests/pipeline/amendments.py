@@ -3,33 +3,21 @@
 from rallygap.models.ball.simulators import shipped
 from rallygap.models.gap.amend.simulator import amended_yaml
 from rallygap.models.gap.hypotheses import Hypothesis
-from rallygap.models.gap.verdict import Cause
 from rallygap.pipeline.io.amended_simulators import case_name
 from rallygap.pipeline.io.artifacts import write_text
-from tests.pipeline.verdicts import verdict
+from tests.pipeline.verdicts import cause, verdict
 
 
 def causes(base, changes):
     """The causes behind ``changes`` to a shipped simulator."""
-    numbers = [(effect, one) for effect, values in changes.items() for one in values]
-    return [
-        _cause(Hypothesis(*number), shipped(base), changes[number[0]][number[1]])
-        for number in numbers
-    ]
+    numbers = [(effect, *one) for effect, values in changes.items() for one in values.items()]
+    return [_cause(Hypothesis(*number), shipped(base), value) for *number, value in numbers]
 
 
-def _cause(hypothesis, simulator, estimate):
-    return Cause(
-        identity=hypothesis.identity,
-        kind="wrong_value" if hypothesis.listed(simulator) else "missing_effect",
-        unit=hypothesis.declaration.unit,
-        nominal=hypothesis.value(simulator),
-        estimate=estimate,
-        interval=(estimate - 0.01, estimate + 0.01),
-        p_value=1e-5,
-        gap_share=0.5,
-        possible=(hypothesis.identity,),
-    )
+def _cause(hypothesis, simulator, value):
+    kind = "wrong_value" if hypothesis.listed(simulator) else "missing_effect"
+    values = (hypothesis.value(simulator), value, value - 0.01, value + 0.01)
+    return cause(hypothesis.identity, hypothesis.declaration.unit, values, 1e-5, 0.5, kind=kind)
 
 
 def write_amended(folder, source, base, changes, split=0):

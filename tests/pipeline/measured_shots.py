@@ -47,10 +47,14 @@ def write_inputs(root, shots=(), sources=tuple(SPIN)):
     parts = [shot_tables(place, number) for place, number in chosen] + list(shots)
     samples, contacts, episodes, true = zip(*parts, strict=True)
     segmented, ingested = (root / "artifacts" / name for name in ("segment", "ingest"))
-    _write(segmented / "samples.parquet", samples, SAMPLES)
-    _write(segmented / "contacts.parquet", contacts, CONTACTS)
-    _write(segmented / "episodes.parquet", episodes, EPISODES)
-    _write(ingested / "true_contacts.parquet", true, TRUE_CONTACTS)
+    for folder, parts, contract in (
+        (segmented, samples, SAMPLES),
+        (segmented, contacts, CONTACTS),
+        (segmented, episodes, EPISODES),
+        (ingested, true, TRUE_CONTACTS),
+    ):
+        table = checked(pd.concat(parts, ignore_index=True), contract)
+        write_table(folder / f"{contract.name}.parquet", table)
     field = CameraField(standard_deviation=0.0, length=1.0, seed=0)
     truth = Truth(SIMULATOR, BounceScatter(0.0, 0.0), SlowError(0.0, 0.1), field, 0.0)
     write_json(ingested / "truth.json", truth.to_dict() if "arena" in sources else None)
@@ -62,19 +66,17 @@ def write_inputs(root, shots=(), sources=tuple(SPIN)):
 def write_trained(root, name, **changes):
     """Save an untrained network as if it had been trained."""
     made = network(TINY)
-    learning = Learning(
-        episodes=1, windows=1, validation_episodes=1, settings=BRIEF, seed=0
-    )  # fmt: skip
-    plain = {
-        "name": name,
-        "network": TINY,
-        "parameters": made.parameter_count,
-        "sources": ["arena"],
-        "starts_from": None,
-        "learning": learning,
-    }
+    counts = {"episodes": 1, "windows": 1, "validation_episodes": 1}
+    described = TrainedPredictor(
+        name=name,
+        network=TINY,
+        parameters=made.parameter_count,
+        sources=["arena"],
+        starts_from=None,
+        learning=Learning(**counts, settings=BRIEF, seed=0),
+    )
     folder = root / "artifacts" / "train_predictor" / name
-    save_predictor(folder, made, Spread(), TrainedPredictor(**{**plain, **changes}))
+    save_predictor(folder, made, Spread(), described.model_copy(update=changes))
 
 
 def shot_tables(place, number, **changes):
@@ -89,17 +91,15 @@ def shot_tables(place, number, **changes):
         measured[:, :3] += np.random.default_rng(number).normal(0, NOISE, (len(TIMES), 3))
     if SPIN[source] == "none":
         measured[:, 6:] = np.nan
+    ids = {"recording_id": recording, "episode_id": name}
     samples = pd.DataFrame(measured, columns=STATE_COLUMNS)
-    samples.insert(0, "t", TIMES)
-    samples.insert(0, "arc", (bounce < TIMES).astype(int))
-    samples.insert(0, "episode_id", name)
-    samples.insert(0, "recording_id", recording)
-    samples["outlier"] = False
+    samples = samples.assign(**ids, arc=(bounce < TIMES).astype(int), t=TIMES, outlier=False)
+    contact = {**ids, "kind": "table", "t": bounce, "px": 0.0, "py": 0.0, "pz": 0.02}
+    contacts = pd.DataFrame([{**contact, "speed_change": 4.0}])
     true = pd.DataFrame([ball, flight.contacts.after[0, 0]], columns=STATE_COLUMNS)
-    true.insert(0, "kind", ["launch", "table"])
-    true.insert(0, "t", [0.0, bounce])
-    true.insert(0, "recording_id", recording)
-    return samples, _contact(recording, name, bounce), _episode(recording, name, **changes), true
+    true = true.assign(recording_id=recording, t=[0.0, bounce], kind=["launch", "table"])
+    episodes = pd.DataFrame([_episode(recording, name) | changes])
+    return samples[list(SAMPLES.columns)], contacts, episodes, true[list(TRUE_CONTACTS.columns)]
 
 
 def source_record(name, spin):
@@ -121,13 +121,8 @@ def source_record(name, spin):
     }
 
 
-def _contact(recording, name, bounce):
-    contact = {"recording_id": recording, "episode_id": name, "kind": "table", "t": bounce}
-    return pd.DataFrame([{**contact, "px": 0.0, "py": 0.0, "pz": 0.02, "speed_change": 4.0}])
-
-
-def _episode(recording, name, **changes):
-    episode = {
+def _episode(recording, name):
+    return {
         "episode_id": name,
         "recording_id": recording,
         "source": recording.split("/")[0],
@@ -143,8 +138,3 @@ def _episode(recording, name, **changes):
         "split": "test",
         "replay_set": "none",
     }
-    return pd.DataFrame([{**episode, **changes}])
-
-
-def _write(path, parts, contract):
-    write_table(path, checked(pd.concat(parts, ignore_index=True), contract))

@@ -1,5 +1,7 @@
 """Trials of sim2real with the states of their returns, by racket_state."""
 
+from itertools import product
+
 import numpy as np
 import pandas as pd
 
@@ -17,14 +19,12 @@ PREDICTORS = {"physics": 0.0, "transformer": 0.4}  # m/s by which they strike fa
 def trials(balls=12, seed=0):
     """Two policies, two horizons and two sets; everyone plays the same balls of a set."""
     parts = []
-    for name in ("stroke_pro", "receive"):
-        for ahead in ("115-125", "170-180"):
-            for predictor, faster in PREDICTORS.items():
-                for repeat in range(2):
-                    random = np.random.default_rng([seed, len(parts)])
-                    played = _played(balls, faster, random)
-                    keys = {"set": name, "horizons_ms": ahead, "predictor": predictor}
-                    parts.append(played.assign(**keys, protocol="every_tick", repeat=repeat))
+    sets, horizons = ("stroke_pro", "receive"), ("115-125", "170-180")
+    for name, ahead, predictor, repeat in product(sets, horizons, PREDICTORS, range(2)):
+        random = np.random.default_rng([seed, len(parts)])
+        played = _played(balls, PREDICTORS[predictor], random)
+        keys = {"set": name, "horizons_ms": ahead, "predictor": predictor, "repeat": repeat}
+        parts.append(played.assign(**keys, protocol="every_tick"))
     return pd.concat(parts, ignore_index=True)
 
 

@@ -1,12 +1,9 @@
 """params.yaml is typed and bounded; an error names the key."""
 
-import copy
 from pathlib import Path
 
 import pytest
-import yaml
 
-from rallygap.models.support.yaml_file import parse_yaml
 from rallygap.pipeline.params import check_params, load_params, read_yaml
 from rallygap.pipeline.runtime.errors import InputError
 
@@ -15,18 +12,13 @@ PARAMS = ROOT / "params.yaml"
 UNLIKE_JSON = ["2001-09-09: 1", "seed: 2001-99-99", "seed: &a [*a]", "? [a, b]\n: 1"]
 
 
-def changed(key, value):
-    """params.yaml with one dotted key set."""
-    content = copy.deepcopy(read_yaml(PARAMS))
+def complaint(key, value):
+    """What is said of params.yaml with one dotted key set."""
+    content = group = read_yaml(PARAMS)
     *above, last = key.split(".")
-    group = content
     for part in above:
         group = group[part]
     group[last] = value
-    return content
-
-
-def complaint(content):
     with pytest.raises(InputError) as caught:
         check_params(content, Path("params.yaml"))
     return str(caught.value)
@@ -43,38 +35,31 @@ def test_every_parameter_is_written_in_params_yaml():
         ("segment.longest_gup", 1, "segment.longest_gup: is an unknown key; did you mean longest"),
         ("evaluate_predictor.predictors.x", {"kind": "physics"}, "x.simulator: is missing"),
         ("seed", "3", 'seed: input should be a valid integer, not "3"'),
-        ("seed", True, "seed: input should be a valid integer, not true"),
-        ("seed", -1, "seed: input should be greater than or equal to 0, not -1"),
         ("segment.longest_gap", 7, "segment.longest_gap: input should be less than or equal to 1"),
-        ("segment.longest_gap", float("nan"), "segment.longest_gap: input should be"),
         ("segment", None, "segment: input should be an object, not null"),
         ("evaluate_predictor.predictors", {"A b": {}}, "predictors.A b"),
         ("evaluate_predictor.window_every_ms", 7, "should be a multiple of 5, not 7"),
-        ("train_predictor.networks.x", {"width": 8}, "networks.x: "),
         ("train_predictor.networks.tae.kind", "lstm", "networks.tae: "),
         ("train_predictor.networks.tae.latent", 7, "networks.tae.latent: input should be"),
         ("train_predictor.networks.transformer.heads", 5, "networks.transformer: value error, 5"),
         ("sim2real.learned", ["tae", "tae"], "give each name once"),
-        ("sim2sim.protocols", ["first_state"] * 2, "give each name once"),
     ],
 )
 def test_an_error_names_the_key(key, value, message):
-    assert message in complaint(changed(key, value))
+    assert message in complaint(key, value)
 
 
 def test_an_unknown_key_is_compared_with_those_of_its_own_kind():
     network = {"kind": "gru_tae", "recurrent": 8, "latnt": 8, "decoded": 8, "uniform_motion": True}
-    message = complaint(changed("train_predictor.networks.tae", network)).splitlines()
+    message = complaint("train_predictor.networks.tae", network).splitlines()
     assert "networks.tae.latent: is missing" in message[0]
     assert "networks.tae.latnt: is an unknown key; did you mean latent?" in message[1]
     predictor = {"kind": "physics", "simulatr": "imperfect_c"}
-    message = complaint(changed("evaluate_predictor.predictors.mine", predictor))
+    message = complaint("evaluate_predictor.predictors.mine", predictor)
     assert "predictors.mine.simulatr: is an unknown key; did you mean simulator?" in message
 
 
-@pytest.mark.parametrize(
-    "text", ["", "- 1", "seed", "a: b: c", "seed: 1\nseed: 2", "\x00", *UNLIKE_JSON]
-)
+@pytest.mark.parametrize("text", ["", "- 1", "a: b: c", "seed: 1\nseed: 2", "\x00", *UNLIKE_JSON])
 def test_a_file_that_holds_no_parameters_is_refused(tmp_path, text):
     path = tmp_path / "params.yaml"
     path.write_text(text)
@@ -83,8 +68,3 @@ def test_a_file_that_holds_no_parameters_is_refused(tmp_path, text):
     path.unlink()
     with pytest.raises(InputError, match="no such file"):
         load_params(path)
-
-
-def test_numbers_are_read_as_dvc_reads_them():
-    assert parse_yaml("1e-3") == 1e-3
-    assert yaml.safe_load("1e-3") == "1e-3"  # what YAML 1.1 would have made of it

@@ -29,10 +29,8 @@ def overridden(path, words):
 )
 def test_every_profile_reaches_dvc_as_it_is_written(name, tmp_path):
     shutil.copy(ROOT / "params.yaml", tmp_path)
-    expected = merged(
-        read_yaml(ROOT / "params.yaml"),
-        read_yaml(ROOT / "experiments" / "profiles" / f"{name}.yaml"),
-    )
+    profile = read_yaml(ROOT / "experiments" / "profiles" / f"{name}.yaml")
+    expected = merged(read_yaml(ROOT / "params.yaml"), profile)
     assert overridden(tmp_path / "params.yaml", profile_flags(ROOT, name)) == expected
     load_params(tmp_path / "params.yaml")
 
@@ -53,12 +51,9 @@ def test_what_a_shell_would_spoil_is_refused(value):
         flags({"a": {"b": ""}}, {"a": {"b": value}})
 
 
-def test_an_unknown_profile_is_refused_with_the_nearest_one():
+def test_a_profile_that_is_not_there_or_does_not_fit_is_refused_by_its_name(tmp_path):
     with pytest.raises(InputError, match=r"smok\.yaml: .*did you mean smoke\?"):
         profile_flags(ROOT, "smok")
-
-
-def test_a_profile_that_does_not_fit_is_refused_by_its_own_name(tmp_path):
     shutil.copy(ROOT / "params.yaml", tmp_path)
     (tmp_path / "experiments" / "profiles").mkdir(parents=True)
     (tmp_path / "experiments" / "profiles" / "mine.yaml").write_text("segment: {noize: 1}")

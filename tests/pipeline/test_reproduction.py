@@ -70,12 +70,6 @@ def digests(folder):
     return {**files, Path("dvc.lock"): read_yaml(folder / "dvc.lock")}
 
 
-def test_every_stage_leaves_its_metrics_and_the_page(reproduced):
-    for stage in set(read_yaml(reproduced / "dvc.yaml")["stages"]) - {"report"}:
-        assert (reproduced / "reports" / stage / "metrics.json").is_file()
-    assert (reproduced / "reports" / "index.html").is_file()
-
-
 def test_every_file_of_a_report_is_declared(reproduced):
     stages = read_yaml(reproduced / "dvc.yaml")["stages"]
     declared = {
@@ -117,22 +111,6 @@ def test_a_parameter_that_is_changed_back_takes_its_results_from_the_cache(repro
     params.write_bytes(original)
     assert stages_run(run(reproduced, "dvc", "repro")) == []
     assert digests(reproduced) == before
-
-
-@pytest.mark.parametrize(
-    ("file", "rerun"),
-    [
-        ("pipeline/report/train_predictor.py", ["report"]),
-        ("pipeline/web/figure_style.py", ["report"]),
-        ("docs/results.md", []),
-    ],
-    ids=["caption", "colour", "page"],
-)
-def test_no_result_depends_on_how_it_is_shown(reproduced, file, rerun):
-    before = (reproduced / file).read_bytes()
-    (reproduced / file).write_bytes(before + b"\n# edited\n")
-    assert stages_run(run(reproduced, "dvc", "repro", "--dry")) == rerun
-    (reproduced / file).write_bytes(before)
 
 
 def test_a_killed_training_goes_on_to_the_same_bytes(reproduced):

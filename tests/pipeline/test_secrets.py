@@ -2,18 +2,16 @@
 
 import os
 import re
-import subprocess
-from pathlib import Path
 
 import pytest
 
+from experiments.clone import ROOT, run
 from rallygap.pipeline import cli
 from rallygap.pipeline.runtime.provenance import Provenance
 from rallygap.pipeline.tracking.recording import recorded, stage_start, without_secrets
 from rallygap.pipeline.tracking.results import Results
 from tests.services import free_port
 
-ROOT = Path(__file__).parents[2]
 ORIGIN = Provenance("python -m rallygap.stages.segment", "f" * 64)
 SECRET = "hunter2"
 STORES = [
@@ -72,10 +70,8 @@ WATCHING = "tests/pipeline/test_secrets.py"
 
 
 def tracked_texts():
-    command = ["git", "ls-files"]
-    listed = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
     endings = (".py", ".md", ".yaml", ".toml", ".sh", "Makefile")
-    for name in listed.stdout.split():
+    for name in run(ROOT, "git", "ls-files").split():
         path = ROOT / name
         if name.endswith(endings) and name != WATCHING and path.is_file():
             yield name, path.read_text(encoding="utf-8")

@@ -1,10 +1,6 @@
 """What several machines share: an MLflow server on PostgreSQL; DVC's remote is in daily use."""
 
 import os
-import signal
-import subprocess
-import sys
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -13,30 +9,23 @@ from mlflow import MlflowClient
 from rallygap.pipeline.runtime.provenance import Provenance
 from rallygap.pipeline.tracking.recording import recorded
 from rallygap.pipeline.tracking.results import Results
-from tests.services import await_answer, free_port, listening
+from tests.pipeline.runs import served
+from tests.services import listening
 
 pytestmark = pytest.mark.slow
 
 
-@contextmanager
 def tracking_server(store, folder):
-    """MLflow's server as docs/scale.md starts it; yields its URL and process."""
-    port = free_port()
-    command = [sys.executable, "-m", "mlflow", "server", "--host", "127.0.0.1", "--port", port]
-    command += ["--workers", "1", "--backend-store-uri", store, "--artifacts-destination", folder]
-    environment = {**os.environ, "MLFLOW_DISABLE_TELEMETRY": "true", "DO_NOT_TRACK": "true",
-                   "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}  # fmt: skip
-    log = (folder.parent / "server.log").open("w")
-    process = subprocess.Popen(
-        list(map(str, command)), env=environment, stdout=log, stderr=log, start_new_session=True
-    )
-    try:
-        url = f"http://127.0.0.1:{port}"
-        await_answer(f"{url}/health")
-        yield url, process
-    finally:
-        os.killpg(process.pid, signal.SIGTERM)
-        process.wait()
+    """MLflow's server as docs/scale.md starts it."""
+    environment = {
+        **os.environ,
+        "MLFLOW_DISABLE_TELEMETRY": "true",
+        "DO_NOT_TRACK": "true",
+        "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false",
+    }
+    words = ["-m", "mlflow", "server", "--host", "127.0.0.1", "--workers", "1"]
+    words += ["--backend-store-uri", store, "--artifacts-destination", folder]
+    return served(*words, env=environment)
 
 
 def test_runs_and_figures_are_kept_by_a_server_on_postgresql(postgres_url, tmp_path, monkeypatch):

@@ -83,57 +83,34 @@ LOCATED = Located(
     ),
     trend_horizon=0.3,
 )
-WIND = Cause(
-    identity="wind.x",
-    kind="missing_effect",
-    unit="m/s",
-    nominal=0.0,
-    estimate=0.61,
-    interval=(0.59, 0.63),
-    p_value=5e-5,
-    gap_share=0.7,
-    worth=Worth(mm=5.3, interval=(2.8, 7.9)),
-    possible=("wind.x",),
+
+
+def cause(identity, unit, values, p_value, share, worth=None, also=(), **others):
+    """A cause; ``values`` are the simulator's, the estimate, and the ends of its interval."""
+    nominal, estimate, *interval = values
+    parts = {
+        "kind": "wrong_value" if nominal else "missing_effect",
+        "unit": unit,
+        "nominal": nominal,
+        "estimate": estimate,
+        "interval": interval,
+        "p_value": p_value,
+        "gap_share": share,
+        "worth": worth and Worth(mm=worth[0], interval=worth[1:]),
+        "possible": (identity, *also),
+    }
+    return Cause(identity=identity, **{**parts, **others})
+
+
+WIND = cause("wind.x", "m/s", (0.0, 0.61, 0.59, 0.63), 5e-5, 0.7, (5.3, 2.8, 7.9))
+GRAVITY = cause(
+    "gravity.g", "m/s^2", (9.81, 10.3, 10.2, 10.4), 2e-4, 0.3, (-0.4, -1.1, 0.2), ["buoyancy.b"]
 )
-GRAVITY = Cause(
-    identity="gravity.g",
-    kind="wrong_value",
-    unit="m/s^2",
-    nominal=9.81,
-    estimate=10.3,
-    interval=(10.2, 10.4),
-    p_value=2e-4,
-    gap_share=0.3,
-    worth=Worth(mm=-0.4, interval=(-1.1, 0.2)),
-    possible=("gravity.g", "buoyancy.b"),
-)
-CAMERA = Cause(
-    identity="camera_distortion.amplitude",
-    role="sensor",
-    kind="missing_effect",
-    unit="m",
-    nominal=0.0,
-    estimate=0.003,
-    interval=(0.002, 0.005),
-    p_value=1e-6,
-    gap_share=0.2,
-    worth=Worth(mm=2.0, interval=(1.0, 3.0)),
-    possible=("camera_distortion.amplitude",),
-)
+BENT = (0.0, 0.003, 0.002, 0.005)
+CAMERA = cause("camera_distortion.amplitude", "m", BENT, 1e-6, 0.2, (2.0, 1.0, 3.0), role="sensor")
+MINOR = cause("spin_decay.c", "1/m", (0.0, 0.003, 0.001, 0.005), 1e-3, 0.04, role="minor")
 CAMERA_NODES = CameraNodes(
     length=0.8, nodes=((0.0, -1.0, 0.2, 1.0, 0.5, -0.5), (0.2, 1.0, 0.4, -1.0, 0.2, 0.8))
-)
-MINOR = Cause(
-    identity="spin_decay.c",
-    role="minor",
-    kind="missing_effect",
-    unit="1/m",
-    nominal=0.0,
-    estimate=0.003,
-    interval=(0.001, 0.005),
-    p_value=1e-3,
-    gap_share=0.04,
-    possible=("spin_decay.c",),
 )
 FITS = Check(name="prediction", ratio=1.05, interval=(0.9, 1.2), allowed=(0.75, 1.33))
 MISFIT = Check(name="prediction", ratio=2.2, interval=(1.4, 3.2), allowed=(0.75, 1.33))
@@ -160,18 +137,13 @@ def diagnosed(found, simulator_name="mine", split=0):
     return CaseVerdict("lab", simulator_name, split, 4, found)
 
 
-def no_nets():
-    """Contacts with the net, of which there are none."""
-    return NetContacts(*(Shots.from_arrays([], []) for _ in range(2)))
-
-
 def findings(of=None, simulator_name="sim.yaml", name="lab"):
     """Findings with a verdict, on shots without spin labels that fly one way."""
-    shots = Shots.from_arrays([TIMES] * 4, [PATH] * 4)
+    none = Shots.from_arrays([], [])
     measured = MeasuredShots(
         name,
-        shots,
-        nets=no_nets(),
+        Shots.from_arrays([TIMES] * 4, [PATH] * 4),
+        nets=NetContacts(none, none),
         recordings=5,
         refused={"not a number": 2},
         episodes=6,

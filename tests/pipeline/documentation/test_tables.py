@@ -35,7 +35,6 @@ def shown(tmp_path):
     reports = tmp_path / "reports" / "stage"
     reports.mkdir(parents=True)
     (reports / "errors.csv").write_text(ERRORS)
-    (reports / "rates.csv").write_text("rate,ours,other\nright,3,1\nasked,4,4\n")
     scenes = {"mujoco": {"drag": {"causes": ["drag.cd", "wind.x"], "right": True}}}
     (reports / "scenes.json").write_text(json.dumps({"machine": "a", "engines": scenes}))
 
@@ -60,43 +59,23 @@ def test_a_head_with_a_field_spreads_its_column(shown):
     ]
 
 
-def test_rows_are_chosen_and_columns_computed(shown):
-    query = """<!-- table: stage/errors.csv
-rows: horizon_ms == 100
+def test_queries_choose_compute_and_group_rows_and_read_nested_json(shown):
+    grouped = """<!-- table: stage/errors.csv
+rows: predictor != "other"
 let: {width: high - low}
-columns: {predictor: "{predictor}", "width (um)": "{1000 * width:,.0f}"}
--->
-<!-- end -->"""
-    assert shown(query)[2:] == ["| physics, simulator C | 4,000 |", "| oracle | 0 |"]
-
-
-def test_groups_become_rows(shown):
-    query = """<!-- table: stage/errors.csv
 by: [horizon_ms]
-take: {least: [mean, min], known: [mean, count], of: [mean, size]}
-columns: {ms: "{horizon_ms}", least: "{least:.1f}", known: "{known} of {of}"}
+take: {widest: [width, max], known: [mean, count], of: [mean, size]}
+columns: {ms: "{horizon_ms}", "widest (um)": "{1000 * widest:,.0f}", known: "{known} of {of}"}
 -->
 <!-- end -->"""
-    assert shown(query)[2:] == ["| 100 | 12.2 | 2 of 2 |", "| 300 | 76.1 | 1 of 2 |"]
-
-
-def test_nested_json_has_a_column_for_each_level(shown):
-    query = """<!-- table: stage/scenes.json
+    assert shown(grouped)[2:] == ["| 100 | 4,000 | 2 of 2 |", "| 300 | 25,000 | 1 of 2 |"]
+    nested = """<!-- table: stage/scenes.json
 within: engines
 levels: [engine, scene]
 columns: {scene: "{engine}, {scene}", causes: "{causes}", right: "{right}"}
 -->
 <!-- end -->"""
-    assert shown(query)[2:] == ["| mujoco, drag | drag.cd, wind.x | yes |"]
-
-
-def test_a_table_may_have_a_column_for_each_row_to_show(shown):
-    query = """<!-- table: stage/rates.csv
-transpose: true
-columns: {method: "{name}", right: "{right:.0f} of {asked:.0f}"}
--->
-<!-- end -->"""
-    assert shown(query)[2:] == ["| ours | 3 of 4 |", "| other | 1 of 4 |"]
+    assert shown(nested)[2:] == ["| mujoco, drag | drag.cd, wind.x | yes |"]
 
 
 @pytest.mark.parametrize(
@@ -120,27 +99,17 @@ def test_pages_have_what_queries_and_code_give():
     assert stale == [], "run `python -m rallygap.pipeline.documentation`"
 
 
-@pytest.fixture(scope="module")
 def shown_results():
     """Files under reports/ whose tables and figures pages show; docs/images/ has copies."""
-    shown = set()
     for page in pages(ROOT):
         text = page.read_text("utf-8")
-        shown |= {f"reports/{table}" for table in re.findall(r"<!-- table: (\S+)", text)}
+        yield from (f"reports/{table}" for table in re.findall(r"<!-- table: (\S+)", text))
         for link in re.findall(r"!\[[^]]*\]\((?!https?:)([^)]+)\)", text):
             image = (page.parent / link).resolve().relative_to(ROOT)
             if image.parts[0] == "reports":
-                shown.add(image.as_posix())
+                yield image.as_posix()
             elif len(image.parts) == 4:
-                shown.add(f"reports/{image.parts[2]}/figures/{image.name}")
-    return shown
-
-
-def test_every_result_that_a_page_shows_is_in_git(shown_results):
-    tracked = set(run(ROOT, "git", "ls-files").split())
-    for shown in shown_results:
-        copy = f"docs/images/{Path(shown).parts[1]}/{Path(shown).name}"
-        assert {shown, copy} & tracked, shown
+                yield f"reports/{image.parts[2]}/figures/{image.name}"
 
 
 def outputs(pipeline):
@@ -156,14 +125,14 @@ def outputs(pipeline):
                 yield path
 
 
-def test_every_result_that_a_page_shows_is_an_output_of_a_stage(shown_results):
+def test_every_result_that_a_page_shows_is_in_git_and_an_output_of_a_stage():
+    tracked = set(run(ROOT, "git", "ls-files").split())
     made = {*outputs(ROOT / "dvc.yaml"), *outputs(ROOT / "experiments" / "dvc.yaml")}
     assert "reports/shots" in made
-    assert [
-        shown
-        for shown in shown_results
-        if not made & {shown, *(folder.as_posix() for folder in Path(shown).parents)}
-    ] == []
+    for shown in map(Path, shown_results()):
+        copy = f"docs/images/{shown.parts[1]}/{shown.name}"
+        assert {shown.as_posix(), copy} & tracked, shown
+        assert {one.as_posix() for one in (shown, *shown.parents)} & made, shown
 
 
 def test_every_link_and_picture_leads_somewhere():
@@ -171,7 +140,3 @@ def test_every_link_and_picture_leads_somewhere():
         for link in re.findall(r"\]\((?!https?:)([^)#]+)", page.read_text("utf-8")):
             assert (page.parent / link).exists(), f"{page.name}: {link}"
     assert all((ROOT / name).exists() for name in PAGES)
-
-
-def test_the_readme_is_for_the_first_five_minutes():
-    assert len((ROOT / "README.md").read_text("utf-8").splitlines()) <= 150

@@ -76,23 +76,19 @@ def test_json_keeps_its_order_and_text_has_unix_line_ends(tmp_path):
 def test_what_json_cannot_say_is_not_written(tmp_path, value):
     with pytest.raises((ValueError, TypeError)):
         write_json(tmp_path / "content.json", {"value": value})
-
     assert list(tmp_path.iterdir()) == []
 
 
-def test_tables_come_back_and_the_same_table_gives_the_same_bytes(tmp_path):
-    for name in ("one", "two"):
-        write_table(tmp_path / name, TABLE.copy())
-    pd.testing.assert_frame_equal(read_table(tmp_path / "one"), TABLE)
-    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
-
-
 @pytest.mark.parametrize("groups", [[TABLE, TABLE.iloc[:1], TABLE.assign(name="c")], []])
-def test_a_table_comes_back_in_the_groups_it_was_written_in(tmp_path, groups):
+def test_a_table_comes_back_in_the_groups_it_was_written_in_always_as_the_same_bytes(
+    tmp_path, groups
+):
+    for name in ("table.parquet", "again.parquet"):
+        with table_writer(tmp_path / name, TABLE.iloc[:0]) as add:
+            for group in [*groups, TABLE.iloc[:0]]:
+                add(group)
     path = tmp_path / "table.parquet"
-    with table_writer(path, TABLE.iloc[:0]) as add:
-        for group in [*groups, TABLE.iloc[:0]]:
-            add(group)
+    assert path.read_bytes() == (tmp_path / "again.parquet").read_bytes()
     assert count_groups(path) == len(groups)
     for read, group in zip(read_groups(path), groups, strict=True):
         pd.testing.assert_frame_equal(read, group)
@@ -110,17 +106,11 @@ def test_a_missing_file_says_what_to_run(tmp_path, reader):
 
 
 @pytest.mark.parametrize("reader", READERS)
-@pytest.mark.parametrize("content", [b"", b"{", b"\xff\xfe\x00", b"PAR1 and no more", b"[" * 9**5])
-def test_a_broken_file_is_one_error(tmp_path, reader, content):
-    (tmp_path / "broken").write_bytes(content)
-
-    with pytest.raises(InputError, match="broken: is not"):
-        reader(tmp_path / "broken")
-
-
-def test_a_truncated_table_is_one_error(tmp_path):
-    path = tmp_path / "table.parquet"
+def test_a_broken_file_is_one_error(tmp_path, reader):
+    path = tmp_path / "broken"
     write_table(path, TABLE)
-    path.write_bytes(path.read_bytes()[:-10])
-    with pytest.raises(InputError, match=r"table\.parquet: is not a parquet table"):
-        read_table(path)
+    cut_short = path.read_bytes()[:-10]
+    for content in (b"", b"{", b"\xff\xfe\x00", b"PAR1 and no more", b"[" * 9**5, cut_short):
+        path.write_bytes(content)
+        with pytest.raises(InputError, match="broken: is not"):
+            reader(path)

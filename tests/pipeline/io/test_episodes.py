@@ -31,6 +31,8 @@ def test_the_label_of_a_shot_does_not_outlive_a_stroke_or_a_gap(tmp_path, starts
     first, second = read_episodes(tmp_path, {"labelled"})
     assert np.isfinite(first.episode.spins).all()
     assert np.isnan(second.episode.spins).all()
+    labelled_by_sample = read_episodes(tmp_path, set())
+    assert all(np.isfinite(one.episode.spins).all() for one in labelled_by_sample)
 
 
 @pytest.mark.parametrize("wanted", [["train"], ["test"], ["train", "test"]])
@@ -74,8 +76,3 @@ def test_an_episode_without_samples_is_named(tmp_path):
     write_table(tmp_path / "episodes.parquet", pd.concat([episodes, more]))
     with pytest.raises(InputError, match=r"samples\.parquet: has no .* episode labelled/0/09"):
         read_episodes(tmp_path, set())
-
-
-def test_labels_of_every_sample_hold_whatever_the_ball_meets(tmp_path):
-    cut_in_two(tmp_path, starts_with="racket", kind="racket")
-    assert all(np.isfinite(one.episode.spins).all() for one in read_episodes(tmp_path, set()))

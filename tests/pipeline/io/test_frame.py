@@ -16,20 +16,12 @@ COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
 VECTORS = arrays(float, (4, 9), elements=st.floats(-10, 10))
 
 
-def test_the_default_changes_nothing():
-    rows = pd.DataFrame(np.arange(18.0).reshape(2, 9), columns=COLUMNS)
-
-    pd.testing.assert_frame_equal(Frame().to_table(rows), rows)
-
-
 @settings(max_examples=20)
 @given(VECTORS, st.integers(0, 2**32 - 1))
 def test_distances_speeds_and_the_turn_of_the_ball_are_kept(values, seed):
     rotation = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()
     rows = pd.DataFrame(values, columns=COLUMNS)
-
     moved = Frame(rotation=rotation.tolist(), offset=(1, 2, 3)).to_table(rows)
-
     ways = [np.diff(table[POSITION_COLUMNS], axis=0) for table in (rows, moved)]
     assert np.allclose(*(np.linalg.norm(way, axis=1) for way in ways))
     # The Magnus force w x v turns with the axes, as a real vector does.
@@ -40,7 +32,6 @@ def test_distances_speeds_and_the_turn_of_the_ball_are_kept(values, seed):
 def test_the_offset_is_where_the_sources_origin_lies():
     origin = pd.DataFrame(np.zeros((1, 3)), columns=POSITION_COLUMNS)
     frame = Frame(rotation=((0, 1, 0), (-1, 0, 0), (0, 0, 1)), offset=(1, 2, 3))
-
     assert frame.to_table(origin).to_numpy().tolist() == [[1, 2, 3]]
 
 

@@ -61,11 +61,6 @@ def test_windows_with_net_contact_are_those_whose_forecast_reaches_it(shots):
     np.testing.assert_array_equal(net_contacts(windows, recordings, contacts), expected)
 
 
-def test_without_an_arena_there_is_no_truth(tmp_path):
-    write_inputs(tmp_path, sources=("plain",))
-    assert read_truth(tmp_path / "artifacts" / "ingest" / "truth.json") is None
-
-
 @pytest.mark.parametrize("broken", [{"simulator": {}}, {"simulator": {"gravitas": {}}}, []])
 def test_a_broken_truth_is_an_error_that_names_the_file(tmp_path, broken):
     path = tmp_path / "truth.json"

@@ -71,22 +71,17 @@ def test_a_file_at_fault_is_named_with_the_column(tmp_path, contract):
     [
         (RECORDINGS, {"px": [0.0, 20.1, 0.0]}, "row 2, px: breaks in_range"),
         (RECORDINGS, {"px": [0.0, 0.0, np.nan]}, "row 3, px: breaks not_nullable"),
-        (RECORDINGS, {"px": [0.0, -np.inf, 0.0]}, "row 2, px: breaks in_range"),
         (RECORDINGS, {"px": ["0", "0", "0"]}, "px: breaks dtype"),
         (RECORDINGS, {"wx": [3000.1, 0.0, 0.0]}, "row 1, wx: breaks in_range"),
         (RECORDINGS, {"t": [0.0, 0.1, np.inf]}, "row 3, t: breaks must be finite"),
         (RECORDINGS, {"t": [0.0, 0.1, 0.1]}, ": time must grow within every recording"),
-        (RECORDINGS, {"recording_id": [1, 2, 3]}, "recording_id: breaks dtype"),
-        (RECORDINGS, {"recording_id": ["a", None, "a"]}, "row 2, .*_id: breaks not_nullable"),
         (LAUNCHES, {"launch_id": ["a", "b", "a"]}, "row [13], launch_id"),
         (POINTS, {"end": [1.0, 2.0, 5.0]}, "end must be after start"),
         (POINTS, {"winner": ["far", "me", "far"]}, "row 2, winner: breaks isin"),
-        (POINTS, {"ended_by": "rain"}, "row 1, ended_by: breaks isin"),
         (TRUE_CONTACTS, {"kind": "wall"}, "row 1, kind: breaks isin"),
         (TRUE_CONTACTS, {"t": [0.0, 0.2, 0.1]}, ": time must not go back"),
         (TRUE_CONTACTS, {"wx": [0.0, np.nan, 0.0]}, "row 2, wx: breaks not_nullable"),
         (EPISODES, {"split": ["train", "test", "train"]}, ": every recording must be in one"),
-        (EPISODES, {"episode_id": ["a", "b", "a"]}, "row [13], episode_id"),
     ],
 )
 def test_what_cannot_be_is_named_with_its_place(contract, changes, problem):

@@ -8,7 +8,6 @@ import threading
 import time
 from functools import partial
 
-import joblib
 import pandas as pd
 import pytest
 from threadpoolctl import threadpool_info
@@ -60,14 +59,8 @@ def on_cluster(tmp_path_factory, monkeypatch):
         yield found
 
 
-def test_results_come_in_the_order_of_the_tasks(tmp_path):
-    with joblib.parallel_config(backend="sequential"):
-        assert list(parallel(tasks(tmp_path, 3))) == [0, 1, 2]
-    assert processes(tmp_path) == {os.getpid()}
-
-
-def test_a_task_has_one_thread():
-    assert list(parallel([threads])) == [{1}]
+def test_results_come_in_the_order_of_the_tasks_and_each_has_one_thread(tmp_path):
+    assert list(parallel([*tasks(tmp_path, 3), threads])) == [0, 1, 2, {1}]
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:{}", "127.0.0.1:{}", "carrier-pigeon://{}"])
@@ -96,13 +89,11 @@ def test_a_cluster_on_loopback_does_all_tasks_though_workers_are_killed(tmp_path
 
 
 @pytest.mark.slow
-def test_the_task_that_a_worker_died_of_is_done_by_another(tmp_path, on_cluster):
+def test_the_task_that_a_worker_died_of_is_done_by_another_but_a_lost_scheduler_is_one_error(
+    tmp_path, on_cluster
+):
     assert list(parallel([partial(killing, tmp_path)])) == ["done by another"]
     assert sum(worker.poll() == -signal.SIGKILL for worker in on_cluster.workers) == 1
-
-
-@pytest.mark.slow
-def test_a_scheduler_that_is_lost_is_one_error(tmp_path, on_cluster):
     running = parallel(tasks(tmp_path, 200))
     next(running)
     on_cluster.scheduler.kill()
@@ -111,55 +102,41 @@ def test_a_scheduler_that_is_lost_is_one_error(tmp_path, on_cluster):
 
 
 @pytest.mark.slow
-def test_workers_that_would_give_other_results_are_refused(tmp_path, monkeypatch):
-    with cluster(tmp_path, workers=1, threads=2) as found:
-        monkeypatch.setenv(CLUSTER, found.address)
-        with pytest.raises(InputError, match="has 2 threads; start it with --nthreads 1"):
-            list(parallel([threads]))
+def test_no_workers_and_workers_that_would_give_other_results_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("rallygap.pipeline.runtime.parallel.PATIENCE", 5)
     other = tmp_path / "other"
     for name in ("models", "pipeline", "stages"):
         shutil.copytree(ROOT / name, other / name)
     (other / "models" / "new.py").touch()
-    with cluster(tmp_path, workers=1, cwd=other) as found:
-        monkeypatch.setenv(CLUSTER, found.address)
-        with pytest.raises(InputError, match="runs other code; check out the same commit"):
-            list(parallel([threads]))
-
-
-@pytest.mark.slow
-def test_a_cluster_without_workers_is_one_error(tmp_path, monkeypatch):
-    monkeypatch.setattr("rallygap.pipeline.runtime.parallel.PATIENCE", 5)
-    with cluster(tmp_path, workers=0) as found:
-        monkeypatch.setenv(CLUSTER, found.address)
-        with pytest.raises(InputError, match="has no workers; start some"):
-            list(parallel([threads]))
-
-
-def jobs(root):
-    described = [description(), description(simulator="imperfect_a", learning=BRIEF)]
-    return [TrainingJob(one, root / one.name) for one in described]
+    for settings, problem in (
+        ({"workers": 0}, "has no workers; start some"),
+        ({"workers": 1, "threads": 2}, "has 2 threads; start it with --nthreads 1"),
+        ({"workers": 1, "cwd": other}, "runs other code; check out the same commit"),
+    ):
+        with cluster(tmp_path, **settings) as found:
+            monkeypatch.setenv(CLUSTER, found.address)
+            with pytest.raises(InputError, match=problem):
+                list(parallel([threads]))
 
 
 def work(root):
     """Train and try two policies."""
-    trained = train_policies(jobs(root))
+    described = [description(), description(simulator="imperfect_a", learning=BRIEF)]
+    trained = train_policies([TrainingJob(one, root / one.name) for one in described])
     return trained, play_test_shots(trained, 9)
-
-
-def assert_same(found, expected):
-    for one, other in zip(found[0], expected[0], strict=True):
-        assert same(one.policy, other.policy)
-        pd.testing.assert_frame_equal(one.curve, other.curve, check_exact=True)
-    for one, other in zip(found[1], expected[1], strict=True):
-        pd.testing.assert_frame_equal(one.table, other.table, check_exact=True)
 
 
 @pytest.mark.slow
 def test_policies_are_the_same_wherever_they_are_trained(tmp_path, monkeypatch, on_cluster):
     """One after the other here, two at once here, and on a cluster that loses a worker."""
-    killed = on_cluster.workers[0]
-    folder = tmp_path / "cluster"
-    waiting = threading.Thread(target=kill_after_an_iteration, args=[killed, folder])
+    killed, folder = on_cluster.workers[0], tmp_path / "cluster"
+
+    def kill_after_an_iteration():
+        while not list(folder.rglob("record.json")):
+            time.sleep(0.05)
+        killed.kill()
+
+    waiting = threading.Thread(target=kill_after_an_iteration)
     waiting.start()
     results = [work(folder)]
     waiting.join()
@@ -170,11 +147,10 @@ def test_policies_are_the_same_wherever_they_are_trained(tmp_path, monkeypatch, 
         monkeypatch.setenv("LOKY_MAX_CPU_COUNT", number)
         results.append(work(tmp_path / number))
 
-    for found in results[1:]:
-        assert_same(found, results[0])
-
-
-def kill_after_an_iteration(worker, folder):
-    while not list(folder.rglob("record.json")):
-        time.sleep(0.05)
-    worker.kill()
+    (trained, played), *others = results
+    for policies, trials in others:
+        for one, other in zip(policies, trained, strict=True):
+            assert same(one.policy, other.policy)
+            pd.testing.assert_frame_equal(one.curve, other.curve, check_exact=True)
+        for one, other in zip(trials, played, strict=True):
+            pd.testing.assert_frame_equal(one.table, other.table, check_exact=True)

