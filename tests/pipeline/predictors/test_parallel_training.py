@@ -11,39 +11,13 @@ import pytest
 from filelock import FileLock
 
 from rallygap.models.predictors.training import ForecastTraining
-from rallygap.pipeline.predictors import parallel_training as predictor_training
 from rallygap.pipeline.predictors.parallel_training import TrainingJob, train_networks
-from tests.models.predictors.small_training import BRIEF, TINY, TINY_TAE, changed, small_training
+from tests.models.predictors.small_training import BRIEF, TINY, small_training
 
 
 def job(folder, shape=TINY, settings=BRIEF):
     training, data = small_training(settings, shape=shape)
     return TrainingJob(f"{shape.kind}", training.network, data, folder / shape.kind)
-
-
-def test_the_steps_of_a_training_are_known_before_it_begins(tmp_path, monkeypatch):
-    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
-    totals = []
-    monkeypatch.setattr(predictor_training, "WatchedBars", watching(totals))
-    train_networks([job(tmp_path, TINY, changed(BRIEF, batch=7)), job(tmp_path, TINY_TAE)])
-    assert totals == [{"transformer": 12, "tae": 9}, [12, 9]]
-
-
-def watching(totals):
-    """A context that records the total steps, and at its end the completed ones."""
-
-    class Watching:
-        def __init__(self, steps, done):
-            totals.append(steps)
-            self.done = done
-
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *_):
-            totals.append(self.done())
-
-    return Watching
 
 
 def test_a_training_waits_for_who_else_is_at_it(tmp_path, monkeypatch):
@@ -79,18 +53,12 @@ def test_workers_of_a_run_that_was_killed_stop(tmp_path):
     command = [sys.executable, "-c", textwrap.dedent(ORPHAN), str(tmp_path)]
     run = subprocess.Popen(command, env=environment)
     checkpoints = [tmp_path / kind / "last.ckpt" for kind in ("transformer", "tae")]
-    wait_for(lambda: all(path.exists() for path in checkpoints))
+    while not all(path.exists() for path in checkpoints):
+        assert run.poll() is None
+        time.sleep(0.2)
     workers = psutil.Process(run.pid).children(recursive=True)
     run.kill()
     run.wait()
     for path in checkpoints:
         FileLock(path.with_name("lock"), timeout=60).acquire()
     assert not any(one.cpu_percent(interval=0.2) > 20 for one in workers if one.is_running())
-
-
-def wait_for(condition, longest=300):
-    for _ in range(longest * 5):
-        if condition():
-            return
-        time.sleep(0.2)
-    raise AssertionError("it never came")
