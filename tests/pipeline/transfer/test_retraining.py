@@ -6,17 +6,13 @@ import pytest
 
 from rallygap.models.ball.simulators import shipped
 from rallygap.models.gap.amend.simulator import amended
-from rallygap.pipeline.policies.storage import TrainedPolicy
 from rallygap.pipeline.transfer.retraining import (
-    in_simulator,
-    pooled,
     retraining_table,
     share_closed,
 )
 from rallygap.pipeline.transfer.truth_comparison import NamedCauses, number_table
 from tests.pipeline.amendments import causes
 from tests.pipeline.played_trials import trials
-from tests.pipeline.trained_policies import description
 from tests.pipeline.verdicts import verdict
 
 OWN = {"115-125": 0.75}
@@ -72,35 +68,13 @@ def test_there_is_a_share_where_the_gap_is_sure():
     assert np.isnan(share_closed(gain, unsure, balls)).all()
 
 
-def test_sets_of_a_source_come_as_one_first_and_each_after():
-    sets = [played().assign(set=name) for name in ("stroke_pro", "receive")]
-    whole = pooled(pd.concat(sets, ignore_index=True), "arena")
-    rows = retraining_table(whole, OWN).drop_duplicates("set").set_index("set")
-    assert rows["balls"].to_dict() == {"arena": 8, "stroke_pro": 4, "receive": 4}
-    alone = played().assign(set="spindoe")
-    assert pooled(alone, "spindoe") is alone
-    assert set(pooled(alone, "arena")["set"]) == {"arena", "spindoe"}
-
-
-def test_retraining_changes_only_the_simulator():
-    before, windy = description(), shipped("imperfect_c").amended("wind", x=0.5)
-    after = in_simulator(before, "lab", windy)
-    assert after.task.simulator == windy
-    assert after.name == "small-amended_by_lab-115ms-0"
-    changed = {
-        name for name in TrainedPolicy.model_fields if getattr(before, name) != getattr(after, name)
-    }
-    assert changed == {"simulator", "effects"}
-
-
 ORIGINAL = shipped("imperfect_c")
-FOUND = verdict(causes=causes("imperfect_c", {"drag": {"cd": 0.5}, "wind": {"x": 0.2}}))
-AMENDED = amended(ORIGINAL, FOUND)
 
 
 def numbers(truth):
-    causes = NamedCauses.model_validate_json(FOUND.to_json()).causes
-    rows = number_table(ORIGINAL, AMENDED, causes, truth)
+    found = verdict(causes=causes("imperfect_c", {"drag": {"cd": 0.5}, "wind": {"x": 0.2}}))
+    named = NamedCauses.model_validate_json(found.to_json()).causes
+    rows = number_table(ORIGINAL, amended(ORIGINAL, found), named, truth)
     return rows.set_index(["effect", "parameter"])
 
 
@@ -123,6 +97,5 @@ def test_an_effect_that_a_simulator_lacks_has_no_number_there_and_a_table_of_the
     assert rows["truth"].isna().all()
     nodes = [[0.0, 0.0, 0.2, 1.0, 0.0, 0.0]]
     camera = {"amplitude": 0.002, "length": 0.7, "nodes": nodes}
-    amended = shipped("imperfect_c").amended("camera_distortion", **camera)
-    rows = number_table(shipped("imperfect_c"), amended, [], None)
+    rows = number_table(ORIGINAL, ORIGINAL.amended("camera_distortion", **camera), [], None)
     assert rows["parameter"].tolist() == ["amplitude", "length"]

@@ -12,7 +12,6 @@ from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.transfer.rates import differences, holm, rates
 from rallygap.pipeline.transfer.returns import AFTER, LANDED, read_played
 from rallygap.pipeline.transfer.trials import play_policy
-from tests.models.policy.schooling import drawn_policy
 from tests.pipeline.played_trials import KEYS, everything, trials
 from tests.pipeline.returned import trials as returned_trials
 from tests.pipeline.trained_policies import chaser, description
@@ -31,17 +30,6 @@ def test_trials_have_the_policy_s_labels_and_the_forecast_error():
     assert table["forecast_error_m"].tolist() == pytest.approx([0.02] * 6)
 
 
-def test_a_policy_observes_how_sure_its_predictor_is():
-    trained = description(observation="spread", forecasts="filtered")
-    policy, task = drawn_policy(0, kind="spread"), trained.task
-    balls, goals = task.draw(6, np.random.default_rng(0))
-    surer = replace(balls, spreads=0.1 * balls.spreads)
-    tables = [
-        play_policy(policy, trained, task.simulator, one, goals).table for one in (balls, surer)
-    ]
-    assert (tables[0]["nearest"] != tables[1]["nearest"]).any()
-
-
 PLAYED = returned_trials()
 
 
@@ -53,11 +41,6 @@ def test_returns_and_they_alone_have_states():
     back = PLAYED[PLAYED["returned"]]
     speeds = np.linalg.norm(back[AFTER[3:6]], axis=1)
     assert speeds == pytest.approx(back["speed"].to_numpy())
-
-
-def test_trials_come_back_from_a_file(tmp_path):
-    write_table(tmp_path / "played.parquet", PLAYED)
-    assert read_played(tmp_path / "played.parquet").equals(PLAYED)
 
 
 @pytest.mark.parametrize(
@@ -121,21 +104,6 @@ def test_intervals_cover_a_known_rate():
     ]
     covered = [row["return_rate_low"] <= 0.6 <= row["return_rate_high"] for row in inside]
     assert 0.85 <= np.mean(covered) <= 1.0
-
-
-def test_a_predictor_that_returns_more_is_told_from_one_that_does_not():
-    three = [
-        of_trainings(0.4, "physics", 0),
-        of_trainings(0.9, "oracle", 1),
-        of_trainings(0.4, "transformer", 2),
-    ]
-    gains = differences(pd.concat(three), ["set"], {"predictor": "physics"})
-    returns = gains[gains["outcome"] == "returns"].set_index("predictor")
-    expected = three[1]["returned"].mean() - three[0]["returned"].mean()
-    assert returns.loc["oracle", "difference"] == pytest.approx(expected)
-    assert returns.loc["oracle", "p_holm"] < 0.01
-    assert returns.loc["oracle", "ci_low"] > 0
-    assert returns.loc["transformer", "p_holm"] > 0.05
 
 
 def test_the_correction_is_that_of_holm():
