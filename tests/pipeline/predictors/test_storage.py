@@ -25,8 +25,6 @@ from tests.models.predictors.balls import observed
 from tests.models.predictors.small_training import BRIEF, NETWORKS, small_training
 from tests.pipeline.measured_shots import write_trained
 
-LEARNING = Learning(episodes=43, windows=987, validation_episodes=4, settings=BRIEF, seed=17)
-
 
 @pytest.fixture
 def folder(tmp_path):
@@ -39,9 +37,10 @@ def folder(tmp_path):
 def test_a_network_of_every_kind_comes_back(tmp_path, kind):
     shape, spread = NETWORKS[kind], Spread()
     network = small_training(shape=shape)[0].network
+    learning = Learning(episodes=43, windows=987, validation_episodes=4, settings=BRIEF, seed=17)
     description = TrainedPredictor(
         name="small", network=shape, parameters=2468, sources=["arena", "tt3d"],
-        starts_from=None, learning=LEARNING,
+        starts_from=None, learning=learning,
     )  # fmt: skip
     save_predictor(tmp_path, network, spread, description)
     history, _ = observed(noise=0.003)

@@ -1,17 +1,21 @@
-"""Training as a stage runs it: the same whether or not it was killed on the way."""
+"""Training as a stage runs it: the same whether or not it was killed, and no orphan goes on."""
 
 import errno
+import multiprocessing
 import os
 import signal
+import time
 from pathlib import Path
 
+import psutil
 import pytest
 import torch
-from torch.nn.utils import parameters_to_vector
+from filelock import FileLock
 
 from rallygap.models.predictors.training import ForecastTraining
+from rallygap.pipeline.predictors.parallel_training import TrainingJob, train_networks
 from rallygap.pipeline.predictors.trainer import StepReporter, train
-from tests.models.predictors.small_training import BRIEF, changed, small_training
+from tests.models.predictors.small_training import BRIEF, TINY, TINY_TAE, changed, small_training
 
 
 def killed():
@@ -40,11 +44,11 @@ def trained(checkpoints, **changes):
     return training
 
 
-def struck(checkpoints, step, strike=killed, callbacks=(), **changes):
+def struck(checkpoints, step, strike=killed, **changes):
     training, data = small_training(changed(BRIEF, **changes), kind=Struck)
     training.struck_at, training.strike = step, strike
     with pytest.raises((RuntimeError, SystemExit)) as stopped:
-        train(training, data, checkpoints, callbacks)
+        train(training, data, checkpoints)
     return stopped.value
 
 
@@ -69,17 +73,14 @@ def test_denormal_numbers_are_zero_while_a_network_is_trained(tmp_path):
     assert (2 * smallest).item() > 0.0
 
 
-EVERY_STEP = {"decay": None}  # has a learning rate of its own
-
-
 @pytest.mark.parametrize(
     ("changes", "step", "left"),
     [
         ({}, 2, 9),
         ({}, 3, 6),
         ({}, 8, 3),
-        (EVERY_STEP, 4, 6),
-        ({**EVERY_STEP, "matrix_learning_rate": 0.01}, 4, 6),
+        ({"decay": None}, 4, 6),
+        ({"decay": None, "matrix_learning_rate": 0.01}, 4, 6),
     ],
 )
 def test_a_training_that_was_killed_goes_on_to_the_same_result(tmp_path, changes, step, left):
@@ -113,15 +114,6 @@ def test_a_checkpoint_for_which_the_disk_has_no_room_leaves_the_one_before(
     assert_same(again, uninterrupted)
 
 
-def test_completed_steps_are_reported(tmp_path):
-    reported = []
-    struck(tmp_path, 5, callbacks=[StepReporter(reported.append)])
-    assert reported == [0, 1, 2, 3, 4, 5]
-    training, data = small_training()
-    train(training, data, tmp_path, [StepReporter(reported.append)])
-    assert reported[6:] == [3, 4, 5, 6, 7, 8, 9]
-
-
 def test_a_training_that_is_done_is_not_done_again_and_nothing_is_printed(
     uninterrupted, tmp_path, capfd, recwarn
 ):
@@ -133,18 +125,44 @@ def test_a_training_that_is_done_is_not_done_again_and_nothing_is_printed(
     assert [str(warning.message) for warning in recwarn] == []
 
 
-class Descent(ForecastTraining):
-    """A training by plain descent."""
-
-    def configure_optimizers(self):
-        return torch.optim.SGD(self.network.parameters(), lr=1.0)
+def job(folder, shape=TINY, settings=BRIEF):
+    training, data = small_training(settings, shape=shape)
+    return TrainingJob(shape.kind, training.network, data, folder / shape.kind)
 
 
-@pytest.mark.parametrize(("longest", "low", "high"), [(1e-3, 0.99e-3, 1.01e-3), (None, 0.1, 1e3)])
-def test_a_step_s_gradient_is_cut_to_the_longest_where_there_is_one(tmp_path, longest, low, high):
-    one_step = changed(BRIEF, max_gradient_norm=longest, epochs=1, batch=24)
-    training, data = small_training(one_step, kind=Descent)
-    before = parameters_to_vector(training.network.parameters()).detach().clone()
-    train(training, data, tmp_path)
-    after = parameters_to_vector(training.network.parameters()).detach()
-    assert low < (after - before).norm() < high
+def test_a_training_waits_for_who_else_is_at_it(tmp_path, monkeypatch):
+    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
+    one = job(tmp_path)
+    seen = []
+
+    def locked(*_):
+        other = FileLock(one.folder / "lock", is_singleton=False)
+        with pytest.raises(TimeoutError):
+            other.acquire(timeout=0)
+        seen.append(other)
+
+    monkeypatch.setattr(ForecastTraining, "on_train_epoch_start", locked)
+    train_networks([one])
+    assert len(seen) == BRIEF.epochs
+
+
+def train_for_long(folder):
+    long = changed(BRIEF, epochs=10_000)
+    train_networks([job(folder, shape, long) for shape in (TINY, TINY_TAE)])
+
+
+@pytest.mark.slow
+def test_workers_of_a_run_that_was_killed_stop(tmp_path, monkeypatch):
+    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "2")
+    run = multiprocessing.get_context("spawn").Process(target=train_for_long, args=[tmp_path])
+    run.start()
+    checkpoints = [tmp_path / kind / "last.ckpt" for kind in ("transformer", "tae")]
+    while not all(path.exists() for path in checkpoints):
+        assert run.is_alive()
+        time.sleep(0.2)
+    workers = psutil.Process(run.pid).children(recursive=True)
+    run.kill()
+    run.join()
+    for path in checkpoints:
+        FileLock(path.with_name("lock"), timeout=60).acquire()
+    assert not any(one.cpu_percent(interval=0.2) > 20 for one in workers if one.is_running())
