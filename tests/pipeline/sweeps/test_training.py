@@ -1,19 +1,18 @@
 """Real trainings, very small: the score of a trial, and the confirmation of a sweep."""
 
-import sqlite3
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import pandas as pd
 import pytest
 from optuna import TrialPruned
-from ruamel.yaml import YAML
 from typer.testing import CliRunner
 
 from rallygap.pipeline.cli import app
 from rallygap.pipeline.io.artifacts import read_json
-from rallygap.pipeline.params import load_params
+from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.policies import training as policy_training
 from rallygap.pipeline.policies.training import TrainingJob, train_policies
 from rallygap.pipeline.profiles import merged
@@ -26,6 +25,7 @@ from rallygap.pipeline.sweeps.settings import Sweep
 from rallygap.pipeline.sweeps.study import open_study, training_of
 from tests.models.policy.schooling import BRIEF
 from tests.pipeline.measured_shots import shot_tables, write_inputs
+from tests.pipeline.runs import runs
 from tests.pipeline.sweeps.small_sweeps import RATE, ROOT, SETTINGS, small_sweep, write_yaml
 from tests.services import PASSWORD
 
@@ -38,7 +38,8 @@ TINY_TRAINING = {
 LEARNING = "train_policy.groups.sim2sim.learning"
 POLICY = {
     "trains": "policy", "group": "sim2sim", "simulator": "imperfect_c",
-    "horizons_ms": [115, 120, 125], "trials": 2, "in_trials": {},
+    "horizons_ms": [115, 120, 125], "trials": 2,
+    "in_trials": {f"{LEARNING}.{name}": value for name, value in BRIEF.model_dump().items()},
     "space": {f"{LEARNING}.discount": {"low": 0.9, "high": 0.99}},
     "pruning": {"first_trials": 3, "first_steps": 0},
 }  # fmt: skip
@@ -58,8 +59,8 @@ def predictor_sweep(root):
     return small_sweep(root, in_trials=TINY_TRAINING)
 
 
-def policy_sweep(root):
-    return small_sweep(root, **{**dict.fromkeys(SETTINGS), **POLICY})
+def policy_sweep(root, **changes):
+    return small_sweep(root, **{**dict.fromkeys(SETTINGS), **POLICY, **changes})
 
 
 def test_a_predictor_is_scored_by_its_validation_loss_after_every_epoch(tmp_path):
@@ -80,20 +81,20 @@ def test_a_predictor_is_scored_by_its_validation_loss_after_every_epoch(tmp_path
     assert len(reports) == 3  # it is trained no further
 
 
-def brief(params):
-    group = params.train_policy.groups["sim2sim"].model_copy(update={"learning": BRIEF})
-    policies = params.train_policy.model_copy(update={"groups": {"sim2sim": group}, "trials": 10})
-    return params.model_copy(update={"train_policy": policies})
-
-
 def test_a_policy_is_scored_by_its_return_rate_after_every_iteration(tmp_path):
     sweep, reports = policy_sweep(tmp_path), []
-    params = brief(sweep.trial_params({}))
+    params = sweep.trial_params({})
     score = training_of(sweep)(params, tmp_path / "trial", lambda *one: reports.append(one))
     job = TrainingJob(described(sweep.settings, params), tmp_path / "trial")
     curve = train_policies([job])[0].curve  # they are done
     assert reports == list(enumerate(curve["return_rate"], start=1))
     assert score == reports[-1][1]
+
+
+def test_the_weights_of_the_reward_can_be_searched(tmp_path):
+    weight = "train_policy.reward.contact"
+    sweep = policy_sweep(tmp_path, space={weight: {"low": 0.1, "high": 1.0}})
+    assert sweep.trial_params({weight: 0.9}).train_policy.reward.contact == 0.9
 
 
 def compared(params, found, smaller=True):
@@ -117,18 +118,6 @@ def test_a_difference_holds_on_every_shot_and_with_every_seed_alone():
     assert not compared(hard, hard + noise - noise.mean() - 0.01)["holds"]
 
 
-def confirmed(sweep, best):
-    write_yaml(sweep.report / "best_params.yaml", best)
-    return run_confirm(sweep)
-
-
-def small(root, **changes):
-    """Let the full trainings of a repository be small, too."""
-    params = root / "params.yaml"
-    settings = YAML(typ="safe").load(params.read_text())
-    write_yaml(params, merged(settings, changes))
-
-
 def test_best_parameters_are_read_under_todays_names_and_without_an_alias(tmp_path):
     sweep = small_sweep(tmp_path)
     with pytest.raises(InputError, match="run `rallygap sweep tiny`"):
@@ -141,17 +130,21 @@ def test_best_parameters_are_read_under_todays_names_and_without_an_alias(tmp_pa
         compared_params(sweep)
 
 
+def confirmed(root, best, **full):
+    """Confirm parameters by full trainings that are small, too."""
+    write_yaml(root / "params.yaml", merged(read_yaml(root / "params.yaml"), full))
+    sweep = Sweep(root, "tiny")
+    write_yaml(sweep.report / "best_params.yaml", best)
+    return run_confirm(sweep)
+
+
 def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
-    predictor_sweep(tmp_path)
+    sweep = predictor_sweep(tmp_path)
     # At its first step the learning rate is zero.
-    network = {"transformer": {"width": 16}}
-    small(tmp_path, train_predictor={"training": {"epochs": 3}, "networks": network})
-    sweep = Sweep(tmp_path, "tiny")
-    table = confirmed(sweep, {"train_predictor": {"training": {"learning_rate": 0.02}}})
-    assert table["measure"].tolist()[:2] == [
-        "position error, 100 to 300 ms (mm)",
-        "position error at 100 ms (mm)",
-    ]
+    full = {"training": {"epochs": 3}, "networks": {"transformer": {"width": 16}}}
+    best = {"train_predictor": {"training": {"learning_rate": 0.02}}}
+    table = confirmed(tmp_path, best, train_predictor=full)
+    assert table.loc[0, "measure"] == "position error, 100 to 300 ms (mm)"
     assert len(table) == 10
     assert (table.loc[1:3, "params"].diff().dropna() > 0).all()  # errors grow with the horizon
     seeds = table.loc[0, ["seed_1", "seed_2", "seed_3"]]
@@ -164,11 +157,10 @@ def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
 
 def test_policies_are_confirmed_on_unseen_shots_with_three_seeds(tmp_path):
     policy_sweep(tmp_path)
-    groups = {"sim2sim": {"learning": BRIEF.model_copy(update={"iterations": 1}).model_dump()}}
-    small(tmp_path, train_policy={"groups": groups, "trials": 10})
-    sweep = Sweep(tmp_path, "tiny")
-    group = {"sim2sim": {"learning": {"discount": 0.9}}}
-    table = confirmed(sweep, {"train_policy": {"groups": group}})
+    learning = {**BRIEF.model_dump(), "iterations": 1}
+    full = {"groups": {"sim2sim": {"learning": learning}}, "trials": 10}
+    best = {"train_policy": {"groups": {"sim2sim": {"learning": {"discount": 0.9}}}}}
+    table = confirmed(tmp_path, best, train_policy=full)
     assert table["measure"].tolist() == ["return rate", "hit rate"]
     assert table["n"].tolist() == [30, 30]
     assert table["params"].between(0, 1).all()
@@ -176,62 +168,39 @@ def test_policies_are_confirmed_on_unseen_shots_with_three_seeds(tmp_path):
 
 def test_there_is_nothing_to_confirm_if_no_trial_is_better_than_params(tmp_path, monkeypatch):
     sweep = small_sweep(tmp_path)
-    rate = load_params(ROOT / "params.yaml").train_predictor.training.learning_rate
-    assert confirmed(sweep, {"train_predictor": {"training": {"learning_rate": rate}}}) is None
-    assert not (sweep.report / "confirmed.csv").exists()
-    assert not sweep.scratch.exists()
+    write_yaml(sweep.report / "best_params.yaml", {"seed": sweep.params["seed"]})
     (tmp_path / "pyproject.toml").touch()
     monkeypatch.chdir(tmp_path)
     said = CliRunner().invoke(app, ["confirm", "tiny"])
     assert said.exit_code == 0
     assert "there is nothing to confirm" in said.output
-
-
-def sweep_with_two_workers(root, **environment):
-    """Run a sweep of four trials with two workers from the command line; return their output."""
-    (root / "pyproject.toml").touch()
-    environment |= {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(root)}
-    program = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main()"]
-    options = {"cwd": root, "env": environment, "text": True}
-    workers = [
-        subprocess.Popen(
-            [*program, "sweep", "tiny", "--trials", "4"],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **options,
-        )
-        for _ in range(2)
-    ]  # fmt: skip
-    outputs = [worker.communicate()[0] for worker in workers]
-    assert [worker.returncode for worker in workers] == [0, 0], outputs
-    assert all(f"Report: {root}/reports/sweeps/tiny\n" in output for output in outputs)
-    return "".join(outputs)
-
-
-def assert_recorded(root):
-    """Every trial of the report is a finished run of MLflow within that of the sweep."""
-    trials = pd.read_csv(root / "reports" / "sweeps" / "tiny" / "trials.csv")
-    assert len(trials) >= 4  # two workers may begin the last trial at once
-    with sqlite3.connect(root / "mlflow.db") as store:
-        runs = store.execute(
-            "SELECT run.name, run.status, parent.name FROM runs run "
-            "LEFT JOIN tags t ON t.run_uuid = run.run_uuid AND t.key = 'mlflow.parentRunId' "
-            "LEFT JOIN runs parent ON parent.run_uuid = t.value"
-        ).fetchall()
-    sweep = "rallygap sweep tiny"
-    nested = {(f"trial {number}", "FINISHED", sweep) for number in trials["trial"]}
-    assert sorted(runs) == sorted({(sweep, "FINISHED", None), *nested})
+    assert not (sweep.report / "confirmed.csv").exists() and not sweep.scratch.exists()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("database", [None, "postgres_url"])
 def test_two_workers_record_every_trial_and_leave_no_password(tmp_path, request, database):
     predictor_sweep(tmp_path)
-    study = {}
+    (tmp_path / "pyproject.toml").touch()
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
     if database is not None:
-        study = {"RALLYGAP_STUDY": request.getfixturevalue(database)}
-        open_study(Sweep(tmp_path, "tiny"), study["RALLYGAP_STUDY"])  # two cannot make the tables
+        environment["RALLYGAP_STUDY"] = url = request.getfixturevalue(database)
+        open_study(Sweep(tmp_path, "tiny"), url)  # two cannot make the tables
+    program = "from rallygap.pipeline.cli import main; main()"
+    command = [sys.executable, "-c", program, "sweep", "tiny", "--trials", "4"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
     for _ in range(2):  # the second time there is nothing left to do
-        assert PASSWORD not in sweep_with_two_workers(tmp_path, **study)
-    assert_recorded(tmp_path)
+        start = partial(subprocess.Popen, command, cwd=tmp_path, env=environment, **pipes)
+        for worker in (start(), start()):
+            output = worker.communicate()[0]
+            assert worker.returncode == 0, output
+            assert f"Report: {tmp_path}/reports/sweeps/tiny\n" in output
+            assert PASSWORD not in output
+    trials = pd.read_csv(tmp_path / "reports" / "sweeps" / "tiny" / "trials.csv")["trial"]
+    assert len(trials) >= 4  # two workers may begin the last trial at once
+    names = ["rallygap sweep tiny", *(f"trial {number}" for number in trials)]
+    found = [(one.info.run_name, one.info.status) for one in runs(tmp_path, "")]
+    assert sorted(found) == sorted((name, "FINISHED") for name in names)
     kept = [path for path in tmp_path.rglob("*") if path.is_file()]
     assert {"mlflow.db", "reports"} <= {path.relative_to(tmp_path).parts[0] for path in kept}
     assert not [path for path in kept if PASSWORD.encode() in path.read_bytes()]
