@@ -1,21 +1,16 @@
 """Training as a stage runs it: the same whether or not it was killed, and no orphan goes on."""
 
 import errno
-import multiprocessing
 import os
 import signal
-import time
 from pathlib import Path
 
-import psutil
 import pytest
 import torch
-from filelock import FileLock
 
 from rallygap.models.predictors.training import ForecastTraining
-from rallygap.pipeline.predictors.parallel_training import TrainingJob, train_networks
 from rallygap.pipeline.predictors.trainer import StepReporter, train
-from tests.models.predictors.small_training import BRIEF, TINY, TINY_TAE, changed, small_training
+from tests.models.predictors.small_training import BRIEF, changed, small_training
 
 
 def killed():
@@ -123,46 +118,3 @@ def test_a_training_that_is_done_is_not_done_again_and_nothing_is_printed(
     assert_same(again, uninterrupted)
     assert capfd.readouterr() == ("", "")
     assert [str(warning.message) for warning in recwarn] == []
-
-
-def job(folder, shape=TINY, settings=BRIEF):
-    training, data = small_training(settings, shape=shape)
-    return TrainingJob(shape.kind, training.network, data, folder / shape.kind)
-
-
-def test_a_training_waits_for_who_else_is_at_it(tmp_path, monkeypatch):
-    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
-    one = job(tmp_path)
-    seen = []
-
-    def locked(*_):
-        other = FileLock(one.folder / "lock", is_singleton=False)
-        with pytest.raises(TimeoutError):
-            other.acquire(timeout=0)
-        seen.append(other)
-
-    monkeypatch.setattr(ForecastTraining, "on_train_epoch_start", locked)
-    train_networks([one])
-    assert len(seen) == BRIEF.epochs
-
-
-def train_for_long(folder):
-    long = changed(BRIEF, epochs=10_000)
-    train_networks([job(folder, shape, long) for shape in (TINY, TINY_TAE)])
-
-
-@pytest.mark.slow
-def test_workers_of_a_run_that_was_killed_stop(tmp_path, monkeypatch):
-    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "2")
-    run = multiprocessing.get_context("spawn").Process(target=train_for_long, args=[tmp_path])
-    run.start()
-    checkpoints = [tmp_path / kind / "last.ckpt" for kind in ("transformer", "tae")]
-    while not all(path.exists() for path in checkpoints):
-        assert run.is_alive()
-        time.sleep(0.2)
-    workers = psutil.Process(run.pid).children(recursive=True)
-    run.kill()
-    run.join()
-    for path in checkpoints:
-        FileLock(path.with_name("lock"), timeout=60).acquire()
-    assert not any(one.cpu_percent(interval=0.2) > 20 for one in workers if one.is_running())

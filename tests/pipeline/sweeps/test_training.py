@@ -1,8 +1,8 @@
 """Real trainings, very small: the score of a trial, and the confirmation of a sweep."""
 
+import sqlite3
 import subprocess
 import sys
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -25,7 +25,6 @@ from rallygap.pipeline.sweeps.settings import Sweep
 from rallygap.pipeline.sweeps.study import open_study, training_of
 from tests.models.policy.schooling import BRIEF
 from tests.pipeline.measured_shots import shot_tables, write_inputs
-from tests.pipeline.runs import runs
 from tests.pipeline.sweeps.small_sweeps import RATE, ROOT, SETTINGS, small_sweep, write_yaml
 from tests.services import PASSWORD
 
@@ -177,30 +176,51 @@ def test_there_is_nothing_to_confirm_if_no_trial_is_better_than_params(tmp_path,
     assert not (sweep.report / "confirmed.csv").exists() and not sweep.scratch.exists()
 
 
+def sweep_with_two_workers(root, **environment):
+    """Run a sweep of four trials with two workers from the command line; return their output."""
+    (root / "pyproject.toml").touch()
+    environment |= {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(root)}
+    program = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main()"]
+    options = {"cwd": root, "env": environment, "text": True}
+    workers = [
+        subprocess.Popen(
+            [*program, "sweep", "tiny", "--trials", "4"],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **options,
+        )
+        for _ in range(2)
+    ]  # fmt: skip
+    outputs = [worker.communicate()[0] for worker in workers]
+    assert [worker.returncode for worker in workers] == [0, 0], outputs
+    assert all(f"Report: {root}/reports/sweeps/tiny\n" in output for output in outputs)
+    return "".join(outputs)
+
+
+def assert_recorded(root):
+    """Every trial of the report is a finished run of MLflow within that of the sweep."""
+    trials = pd.read_csv(root / "reports" / "sweeps" / "tiny" / "trials.csv")
+    assert len(trials) >= 4  # two workers may begin the last trial at once
+    with sqlite3.connect(root / "mlflow.db") as store:
+        runs = store.execute(
+            "SELECT run.name, run.status, parent.name FROM runs run "
+            "LEFT JOIN tags t ON t.run_uuid = run.run_uuid AND t.key = 'mlflow.parentRunId' "
+            "LEFT JOIN runs parent ON parent.run_uuid = t.value"
+        ).fetchall()
+    sweep = "rallygap sweep tiny"
+    nested = {(f"trial {number}", "FINISHED", sweep) for number in trials["trial"]}
+    assert sorted(runs) == sorted({(sweep, "FINISHED", None), *nested})
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("database", [None, "postgres_url"])
 def test_two_workers_record_every_trial_and_leave_no_password(tmp_path, request, database):
     predictor_sweep(tmp_path)
-    (tmp_path / "pyproject.toml").touch()
-    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    study = {}
     if database is not None:
-        environment["RALLYGAP_STUDY"] = url = request.getfixturevalue(database)
-        open_study(Sweep(tmp_path, "tiny"), url)  # two cannot make the tables
-    program = "from rallygap.pipeline.cli import main; main()"
-    command = [sys.executable, "-c", program, "sweep", "tiny", "--trials", "4"]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+        study = {"RALLYGAP_STUDY": request.getfixturevalue(database)}
+        open_study(Sweep(tmp_path, "tiny"), study["RALLYGAP_STUDY"])  # two cannot make the tables
     for _ in range(2):  # the second time there is nothing left to do
-        start = partial(subprocess.Popen, command, cwd=tmp_path, env=environment, **pipes)
-        for worker in (start(), start()):
-            output = worker.communicate()[0]
-            assert worker.returncode == 0, output
-            assert f"Report: {tmp_path}/reports/sweeps/tiny\n" in output
-            assert PASSWORD not in output
-    trials = pd.read_csv(tmp_path / "reports" / "sweeps" / "tiny" / "trials.csv")["trial"]
-    assert len(trials) >= 4  # two workers may begin the last trial at once
-    names = ["rallygap sweep tiny", *(f"trial {number}" for number in trials)]
-    found = [(one.info.run_name, one.info.status) for one in runs(tmp_path, "")]
-    assert sorted(found) == sorted((name, "FINISHED") for name in names)
+        assert PASSWORD not in sweep_with_two_workers(tmp_path, **study)
+    assert_recorded(tmp_path)
     kept = [path for path in tmp_path.rglob("*") if path.is_file()]
     assert {"mlflow.db", "reports"} <= {path.relative_to(tmp_path).parts[0] for path in kept}
     assert not [path for path in kept if PASSWORD.encode() in path.read_bytes()]
