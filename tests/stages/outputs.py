@@ -5,15 +5,10 @@ import pandas as pd
 from rallygap.pipeline.report.stages import PIPELINE, write_report
 
 
-def items(run):
-    """What the stage ``report`` writes of a stage: kinds, files, titles and captions."""
-    return write_report(run, run.stage, PIPELINE[run.stage])
-
-
 def table(run, name, *keys):
     """A table of the report, indexed by ``keys``; the report is written once, for its figures."""
     if not run.report(f"{name}.csv").exists():
-        items(run)
+        write_report(run, run.stage, PIPELINE[run.stage])
     rows = pd.read_csv(run.report(f"{name}.csv"))
     return rows.set_index(list(keys)) if keys else rows
 

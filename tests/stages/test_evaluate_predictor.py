@@ -1,26 +1,18 @@
 """The stage evaluate_predictor on shots whose physics is known."""
 
-import json
 import shutil
 
 import numpy as np
 import pytest
 
-from rallygap.pipeline.evaluation.example_shots import read_shots
-from rallygap.pipeline.io.artifacts import read_table, write_table
-from rallygap.pipeline.io.metrics import place
+from rallygap.pipeline.io.artifacts import read_json, read_table, write_table
+from rallygap.pipeline.io.metrics import nested
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.evaluate_predictor import evaluate_predictor
 from tests.pipeline.amendments import write_amended
-from tests.pipeline.measured_shots import (
-    NOISE,
-    params,
-    shot_tables,
-    write_inputs,
-    write_trained,
-)
-from tests.stages.outputs import items, table, written
+from tests.pipeline.measured_shots import NOISE, params, shot_tables, write_inputs, write_trained
+from tests.stages.outputs import table, written
 
 
 def evaluated(root, processes=1, **inputs):
@@ -29,22 +21,14 @@ def evaluated(root, processes=1, **inputs):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LOKY_MAX_CPU_COUNT", str(processes))
         evaluate_predictor(run)
-    return run, means(run)
-
-
-def means(run):
-    """Mean, deviation and count by set, predictor, quantity and horizon, over all windows."""
-    found = {}
-    for row in run.kept(run.stage, "errors").query("bounce == 'all'").to_dict("records"):
-        label = row["set"] if row["against"] == "measured" else f"{row['set']}_{row['against']}"
-        keys = (label, row["predictor"], row["quantity"], row["horizon_ms"])
-        place(found, keys).update({name: row[name] for name in ("mean", "std", "n")})
-    return found
+    rows = run.kept(run.stage, "errors").query("bounce == 'all'").drop(columns="bounce")
+    rows["set"] += rows.pop("against").map({"measured": "", "truth": "_truth"})
+    return run, nested(rows, ["set", "predictor", "quantity", "horizon_ms"])
 
 
 def test_metrics_are_the_mean_position_errors_at_the_farthest_horizon(whole):
     run, found = whole
-    metrics = json.loads(run.report("metrics.json").read_text())
+    metrics = read_json(run.report("metrics.json"))
     for name, errors in metrics.items():
         assert set(errors) < set(found[name])
         for predictor, mean in errors.items():
@@ -64,15 +48,12 @@ def test_the_oracle_forecasts_on_the_arena_alone_and_spins_where_they_are_labell
     assert set(metrics["labelled"]) == set(metrics["plain"]) == trained
     assert set(metrics["arena"]) == {*trained, "oracle"}
     assert metrics["arena"]["oracle"] == metrics["arena"]["physics_true"]  # the same simulator
-    true, wrong = (
-        metrics["labelled"][name]["position"]["200"] for name in ("physics_true", "physics_c")
-    )
-    assert true["mean"] < wrong["mean"]
-    assert true["n"] == wrong["n"] > 0
+    true, wrong = (metrics["labelled"][name] for name in ("physics_true", "physics_c"))
+    assert true["position"]["200"]["mean"] < wrong["position"]["200"]["mean"]
+    assert true["position"]["200"]["n"] == wrong["position"]["200"]["n"] > 0
     assert "spin" not in metrics["plain"]["physics_true"]
-    labelled = metrics["labelled"]["physics_true"]
-    assert labelled["spin"]["100"]["mean"] < 1.0  # a stale label would be off by the bounce's spin
-    assert labelled["spin"]["100"]["n"] < labelled["position"]["100"]["n"]
+    assert true["spin"]["100"]["mean"] < 1.0  # a stale label would be off by the bounce's spin
+    assert true["spin"]["100"]["n"] < true["position"]["100"]["n"]
 
 
 def test_errors_against_the_truth_lack_the_measurement_noise(whole):
@@ -121,7 +102,7 @@ def test_sets_are_calibrated_by_validation_windows(whole, tmp_path):
     assert (rows["size_mm"].loc[("oracle", 0.9)] > rows["size_mm"].loc[("oracle", 0.5)]).all()
     error = metrics["arena"]["oracle"]["position"]["300"]["mean"]
     assert 0.1 * error < rows["crps_mm"].loc[("oracle", 0.9, 300)] < error
-    assert "figures/coverage_arena.png" in {item.file for item in items(run)}
+    assert run.report("figures/coverage_arena.png").exists()
 
 
 def test_without_a_window_or_a_trained_predictor_there_is_one_error_and_no_metrics(tmp_path):
@@ -137,31 +118,17 @@ def test_without_a_window_or_a_trained_predictor_there_is_one_error_and_no_metri
     assert not run.report("metrics.json").exists()
 
 
-def test_differences_are_paired_on_the_same_windows(whole):
+def test_differences_groups_and_net_contacts_are_of_the_same_windows(whole):
     run, metrics = whole
-    rows = table(run, "forecast_error_difference")
-    arena = rows[rows.set == "arena"]
-    pairs = set(zip(arena.predictor, arena.other, strict=True))
-    assert pairs == {("tiny", name) for name in ("physics_true", "physics_c", "oracle")}
-    assert (arena.lower_share == 0).all()  # it was not really trained
-    row = rows.query("set == 'plain' and other == 'physics_c' and quantity == 'position'").iloc[0]
-    mean = {name: metrics["plain"][name]["position"]["100"]["mean"] for name in ("tiny", row.other)}
-    assert row["mean"] == pytest.approx(mean["tiny"] - mean[row.other], rel=1e-4)
-    assert row.ci_low <= row["mean"] <= row.ci_high
-
-
-def test_errors_by_group_of_recordings_and_by_net_contact(whole):
-    run, metrics = whole
-    rows = table(run, "forecast_error_by_group")
-    assert set(rows[rows.set == "arena"].group) == {"cannon", "pro"}
-    assert set(rows[rows.set != "arena"].group) == {"all"}
-    oracle = rows.query("set == 'arena' and predictor == 'oracle'")
-    mean = np.average(oracle["mean"], weights=oracle["n"])
-    assert mean == pytest.approx(metrics["arena"]["oracle"]["position"]["300"]["mean"], rel=1e-4)
-    rows = table(run, "forecast_error_by_net")
-    assert set(rows["set"]) == {"arena"} and set(rows["net"]) == {"without"}
-    mean = rows.set_index("predictor")["mean"]["oracle"]
-    assert mean == pytest.approx(metrics["arena"]["oracle"]["position"]["300"]["mean"], rel=1e-4)
+    rows = table(run, "forecast_error_difference").query("set == 'arena'")
+    others = ("physics_true", "physics_c", "oracle")
+    assert set(zip(rows.predictor, rows.other, strict=True)) == {("tiny", one) for one in others}
+    mean = metrics["arena"]["oracle"]["position"]["300"]["mean"]
+    rows = table(run, "forecast_error_by_group", "set").query("predictor == 'oracle'")
+    assert rows.group.to_list() == ["cannon", "pro"]
+    assert np.average(rows["mean"], weights=rows["n"]) == pytest.approx(mean, rel=1e-4)
+    rows = table(run, "forecast_error_by_net", "set", "net").query("predictor == 'oracle'")
+    assert rows["mean"].to_dict() == {("arena", "without"): pytest.approx(mean, rel=1e-4)}
 
 
 def test_episodes_that_are_broken_or_not_for_testing_are_left_out(tmp_path, whole):
@@ -175,10 +142,3 @@ def test_episodes_that_are_broken_or_not_for_testing_are_left_out(tmp_path, whol
 def test_the_same_inputs_give_the_same_bytes_on_one_and_two_processes(tmp_path, whole):
     again, _ = evaluated(tmp_path, processes=2)
     assert written(again) == written(whole[0])
-
-
-def test_example_shots_alternate_between_the_sets(whole):
-    run, _ = whole
-    shots = read_shots(run.artifact("shots.json"))
-    assert [shot.source for shot in shots][:6] == ["arena", "labelled", "plain"] * 2
-    assert set(shots[0].forecasts) - set(shots[1].forecasts) == {"oracle"}

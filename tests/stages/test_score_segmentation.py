@@ -1,7 +1,6 @@
 """The score of segmentation on simulated recordings, from artefacts to report."""
 
 import shutil
-from pathlib import Path
 from types import SimpleNamespace
 
 import pandas as pd
@@ -12,7 +11,7 @@ from rallygap.pipeline.io.artifacts import read_json, read_table, write_table
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.stages.score_segmentation import score_segmentation
 from tests.pipeline.sources.made_up import ARENA
-from tests.stages.outputs import items
+from tests.stages.outputs import table
 from tests.stages.small_runs import run_ingest, run_segment
 
 
@@ -24,9 +23,11 @@ def run_score(root):
 
 
 @pytest.fixture
-def root(segmented, tmp_path):
-    """A copy of the artefacts of the previous stages."""
-    return Path(shutil.copytree(segmented, tmp_path, dirs_exist_ok=True))
+def root(ingested, tmp_path):
+    """Where the previous stages left their artefacts."""
+    shutil.copytree(ingested, tmp_path, dirs_exist_ok=True)
+    run_segment(tmp_path)
+    return tmp_path
 
 
 def assign_to_split(root, split="test"):
@@ -37,15 +38,13 @@ def assign_to_split(root, split="test"):
 
 def overall(run):
     """Scores of contacts of all levels, by kind."""
-    table = run.kept("score_segmentation", "contacts")
-    return table[table["level"] == "all"].set_index("kind")
+    return run.kept("score_segmentation", "contacts").query("level == 'all'").set_index("kind")
 
 
 def test_bounces_of_test_recordings_are_scored_and_a_missed_one_lowers_recall(root):
     assign_to_split(root)
     run = run_score(root)
-    assert [item.file for item in items(run)] == ["contacts.csv", "figures/contact_scores.png"]
-    assert pd.read_csv(run.report("contacts.csv"))["level"].tolist() == ["cannon", "all"]
+    assert table(run, "contacts")["level"].tolist() == ["cannon", "all"]
     found = overall(run).loc["table"]
     true = read_table(root / "artifacts/ingest/true_contacts.parquet")
     assert found["precision"] == found["recall"] == 1.0
@@ -67,7 +66,7 @@ def test_only_test_recordings_are_scored(root, capsys):
     run = run_score(root)
     assert read_json(run.report("metrics.json")) == {}
     assert "no contacts to score" in capsys.readouterr().err
-    assert [item.file for item in items(run)] == ["contacts.csv", "figures/contact_scores.png"]
+    assert table(run, "contacts").empty
 
 
 @pytest.mark.slow

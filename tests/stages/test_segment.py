@@ -6,8 +6,6 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from rallygap.models.segmentation.settings import SegmentSettings
-from rallygap.models.segmentation.tables import segment_recordings
 from rallygap.pipeline.io.artifacts import (
     read_json,
     read_row_groups,
@@ -18,7 +16,7 @@ from rallygap.pipeline.io.artifacts import (
 from rallygap.pipeline.io.schemas import CONTACTS, EPISODES, RECORDINGS, SAMPLES, checked, empty
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.sources.made_up import ARENA
-from tests.stages.outputs import items, written
+from tests.stages.outputs import table, written
 from tests.stages.small_runs import run_ingest, run_segment
 
 TABLES = {"samples": SAMPLES, "contacts": CONTACTS, "episodes": EPISODES}
@@ -41,18 +39,13 @@ def test_tables_keep_their_contracts(run):
     }
     assert set(tables["episodes"]["starts_with"]) == {"launch"}
     assert len(tables["episodes"]) == ARENA.cannon_shots
+    splits = table(run, "splits")
+    assert splits["episodes"].sum() == ARENA.cannon_shots
+    assert set(splits["group"]) == {"cannon"}
     metrics = read_json(run.report("metrics.json"))["arena"]
     residual = read_table(run.artifact("episodes.parquet"))["residual"].median()
     assert metrics["episodes"] == ARENA.cannon_shots
     assert metrics["median_residual_mm"] == pytest.approx(1e3 * residual, abs=1e-3)
-
-
-def test_each_source_has_its_figure_and_splits_a_table(run):
-    assert [item.file for item in items(run)] == ["figures/cuts_arena.png", "splits.csv"]
-    assert run.report("figures/cuts_arena.png").stat().st_size > 10_000
-    splits = pd.read_csv(run.report("splits.csv"), keep_default_na=False)
-    assert splits["episodes"].sum() == ARENA.cannon_shots
-    assert set(splits["group"]) == {"cannon"}
 
 
 def test_row_groups_make_no_difference(ingested, run, tmp_path):
@@ -68,12 +61,6 @@ def test_row_groups_make_no_difference(ingested, run, tmp_path):
     for name in TABLES:
         one, other = (read_table(each.artifact(f"{name}.parquet")) for each in (run, again))
         pd.testing.assert_frame_equal(one, other)
-
-
-def test_samples_are_those_of_the_algorithm(ingested, run):
-    recordings = read_table(ingested / "artifacts/ingest/recordings.parquet")
-    found = segment_recordings(recordings, lambda _: True, SegmentSettings())
-    pd.testing.assert_frame_equal(read_table(run.artifact("samples.parquet")), found.samples)
 
 
 def test_a_second_run_writes_the_same_bytes_and_warns_of_shortages(run, tmp_path, capsys):

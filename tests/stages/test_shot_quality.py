@@ -2,12 +2,11 @@
 
 import shutil
 
-import numpy as np
 import pytest
 
 from rallygap.models.shot_quality.receivers import RECEIVERS
 from rallygap.models.shot_quality.settings import ForestSettings
-from rallygap.pipeline.io.artifacts import read_json, read_table
+from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.params import ShotQualitySettings
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
@@ -15,13 +14,11 @@ from rallygap.stages.shot_quality import shot_quality
 from tests.pipeline.measured_shots import params
 from tests.pipeline.professional_games import played_games, write_games
 from tests.pipeline.returned import trials, write_trials
-from tests.stages.outputs import items, table
+from tests.stages.outputs import table
 
 SETTINGS = ShotQualitySettings(
     forest=ForestSettings(trees=5, min_samples_leaf=5), folds=2, points=20, bootstrap_resamples=20
 )
-TABLES = ("calibration", "importance", "out_of_range", "quality", "receivers", "scores", "swap",
-          "win_probability")  # fmt: skip
 
 
 def stage(root, settings=SETTINGS):
@@ -40,19 +37,10 @@ def whole(tmp_path_factory):
 
 
 def test_every_set_horizons_and_predictor_has_its_medians(whole):
-    rows = table(whole, "quality").set_index(["set", "horizons_ms", "predictor"])
-    assert len(rows) == 8
-    returns = read_table(whole.artifact("returns.parquet"))
-    for key, own in returns.groupby(["set", "horizons_ms", "predictor"]):
-        assert rows.loc[key, "speed"] == pytest.approx(own["speed"].median(), rel=1e-5)
-    speeds = rows["speed"].unstack()
-    assert (speeds["transformer"] > speeds["physics"]).all()
-    rows = table(whole, "scores").set_index(["outcome", "method"])
-    assert set(rows.index) == {
-        (outcome, method)
-        for outcome in ("wins", "point")
-        for method in ("base_rate", "logistic", "forest")
-    }
+    speeds = table(whole, "quality", "set", "horizons_ms", "predictor")["speed"].unstack()
+    assert len(speeds) == 4 and (speeds["transformer"] > speeds["physics"]).all()
+    rows = table(whole, "scores", "outcome", "method")
+    assert len(rows) == 2 * 3
     share = rows.loc[("wins", "forest"), "share"]
     assert 0 < share < rows.loc[("point", "forest"), "share"] < 1
     metrics = read_json(whole.report("metrics.json"))
@@ -67,19 +55,8 @@ def test_every_receiver_has_its_medians(whole):
     assert rows["as_measured"].to_numpy() == pytest.approx(own.to_numpy())
     # Who wins with a shot has won the point, too.
     assert rows["point"].mean() > rows["as_measured"].mean()
-    receivers = table(whole, "receivers").set_index("receiver")
-    assert receivers.loc["nominal", "order_agreement"] == 1
-    assert receivers["order_agreement"].between(0, 1).all()
-
-
-def test_the_report_holds_every_table_and_figure(whole):
-    files = {item.file for item in items(whole)}
-    assert files == {
-        "figures/quality.png", "figures/calibration.png", *(f"{name}.csv" for name in TABLES)
-    }  # fmt: skip
-    assert all(whole.report(file).stat().st_size > 100 for file in files)
-    spread = table(whole, "importance").set_index("feature")
-    assert len(spread) == 9 and np.isfinite(spread["correlation"]).all()
+    agreement = table(whole, "receivers", "receiver")["order_agreement"]
+    assert agreement["nominal"] == 1 and agreement.between(0, 1).all()
 
 
 @pytest.fixture
@@ -103,4 +80,3 @@ def test_without_a_return_the_forest_is_validated_and_medians_are_missing(again,
     assert rows["speed"].isna().all()
     assert len(table(run, "scores")) == 6
     assert table(run, "out_of_range").empty and table(run, "win_probability").empty
-    assert {item.file for item in items(run)} >= {"figures/quality.png", "quality.csv"}

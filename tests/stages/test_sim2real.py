@@ -1,19 +1,16 @@
 """The stage on policies that chase the forecast ball: better forecasts give more hits."""
 
-import json
-
 import numpy as np
 import pandas as pd
 import pytest
 
-from rallygap.pipeline.io.artifacts import read_as, read_table
-from rallygap.pipeline.io.metrics import nested
+from rallygap.pipeline.io.artifacts import read_as, read_json, read_table
 from rallygap.pipeline.params import Sim2RealSettings
 from rallygap.pipeline.policies.storage import save_policy
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
-from rallygap.pipeline.transfer.example_returns import read_returns
-from rallygap.stages.sim2real import KEYS, sim2real
+from rallygap.pipeline.transfer.returns import ONCE
+from rallygap.stages.sim2real import sim2real
 from tests.pipeline.amendments import write_amended
 from tests.pipeline.measured_shots import params
 from tests.pipeline.replayed import LAUNCH, SETTINGS, SOURCE, launched, replayed, write_replays
@@ -24,7 +21,7 @@ PHYSICS, ORACLE = ("physics", "every_tick"), ("oracle", "every_tick")
 
 
 def transferred(root, horizons=((115, 120, 125),), **changes):
-    """The run and its metrics, on few shots."""
+    """The run on few shots."""
     shots = [replayed("arena/pro", number) for number in (4, 5)]
     states = LAUNCH + 0.02 * np.random.default_rng(0).normal(size=(SETTINGS.launches, 9))
     write_replays(root, shots, sources=("arena", "plain"), launches=launched(*states))
@@ -35,13 +32,12 @@ def transferred(root, horizons=((115, 120, 125),), **changes):
     write_amended(root / "artifacts" / "close_gap", "arena", "imperfect_c", {"drag": {"cd": 0.54}})
     run = StageRun("sim2real", root, params(sim2real=SETTINGS.model_copy(update=changes)))
     sim2real(run)
-    return run, nested(run.kept("sim2real", "rates"), KEYS)
+    return run
 
 
 def test_metrics_are_mean_return_rates(whole):
-    run, _ = whole
-    metrics = json.loads(run.report("metrics.json").read_text())
-    rates = run.kept("sim2real", "rates").groupby("predictor")["return_rate"].mean()
+    metrics = read_json(whole.report("metrics.json"))
+    rates = whole.kept("sim2real", "rates").groupby("predictor")["return_rate"].mean()
     found = {name: one["return_rate"] for name, one in metrics.items()}
     assert found == pytest.approx(rates.to_dict(), rel=1e-5)
 
@@ -53,7 +49,7 @@ def whole(tmp_path_factory):
 
 
 def test_the_physics_that_flew_the_balls_forecasts_them_best(whole):
-    errors = table(whole[0], "rates", "set", "predictor", "protocol")["forecast_error_cm"]
+    errors = table(whole, "rates", "set", "predictor", "protocol")["forecast_error_cm"]
     for name in ("stroke_pro", SOURCE):
         assert errors[name, *ORACLE] < errors[name, *PHYSICS] < errors[name, "tiny", "every_tick"]
         assert errors[name, *PHYSICS] < errors[name, "physics", "first_window"]
@@ -62,55 +58,39 @@ def test_the_physics_that_flew_the_balls_forecasts_them_best(whole):
 
 
 def test_differences_are_between_the_rates_on_the_same_shots(whole):
-    run, metrics = whole
-    rows = table(run, "difference", "set", "predictor", "protocol", "outcome")
-    for name, sets in metrics.items():
-        found = sets["115-125"]
-        gain = rows["difference"][name, "tiny", "every_tick", "hits"]
-        rates = [found[one]["every_tick"]["hit_rate"] for one in ("tiny", "physics")]
-        assert gain == pytest.approx(rates[0] - rates[1], abs=1e-5)
-    rates = table(whole[0], "rates", "set", "predictor", "protocol")["hit_rate"]
-    rows = table(whole[0], "difference_first_window", "set", "predictor", "protocol", "outcome")
-    for name in ("physics", "tiny"):
-        gain = rates["plain", name, "every_tick"] - rates["plain", "physics", "first_window"]
-        row = rows.loc["plain", name, "every_tick", "hits"]
-        assert row["difference"] == pytest.approx(gain, abs=1e-5)
-        assert row["ci_low"] <= row["difference"] <= row["ci_high"]
+    rates = table(whole, "rates", "set", "predictor", "protocol")["hit_rate"]
+    keys = ("set", "predictor", "protocol", "outcome")
+    for name, protocol in {"difference": "every_tick", "difference_first_window": ONCE}.items():
+        gains = table(whole, name, *keys)["difference"]
+        for one in ("stroke_pro", "plain", SOURCE):
+            gain = rates[one, "tiny", "every_tick"] - rates[one, "physics", protocol]
+            assert gains[one, "tiny", "every_tick", "hits"] == pytest.approx(gain, abs=1e-5)
 
 
 def test_a_policy_meets_the_same_shots_whoever_else_plays_to_the_same_end(whole, tmp_path):
-    again, _ = transferred(tmp_path, ((115, 120, 125), (170, 175, 180)))
-    played, before = (read_table(run.artifact("played.parquet")) for run in (again, whole[0]))
+    again = transferred(tmp_path, ((115, 120, 125), (170, 175, 180)))
+    played, before = (read_table(run.artifact("played.parquet")) for run in (again, whole))
     assert set(played["horizons_ms"]) == {"115-125", "170-180"}
     alike = played[played["horizons_ms"] == "115-125"].reset_index(drop=True)
     pd.testing.assert_frame_equal(alike, before)
 
 
 def test_every_trial_of_every_policy_is_kept(whole):
-    run, _ = whole
-    played = read_table(run.artifact("played.parquet"))
+    played = read_table(whole.artifact("played.parquet"))
     shots = {"stroke_pro": 2 * 5, "plain": 3 * 3, SOURCE: SETTINGS.launches * 4}
     assert played.groupby("set").size().to_dict() == {name: 2 * n for name, n in shots.items()}
     assert set(played["repeat"]) == {0, 1}
     same = played.groupby(["set", "predictor", "protocol", "ball"])["hit"].nunique()
     assert (same == 1).all()  # the policies are alike
-    path = whole[0].artifact("settings.json")
+    rows = table(whole, "replayed", "set")
+    assert rows["replayed"].to_dict() == {"stroke_pro": 2, "plain": 3, SOURCE: SETTINGS.launches}
+    assert rows["spin"]["plain"] == "none" and rows["physics"]["plain"] == "literature"
+    path = whole.artifact("settings.json")
     assert read_as(path, Sim2RealSettings, "sim2real") == SETTINGS
 
 
-def test_ours_and_the_paper_s_counts_stand_side_by_side(whole):
-    rows = table(whole[0], "transfer", "set", "learned_predictor")
-    assert list(rows.index) == [
-        ("stroke_pro", "tiny"), ("stroke_pro", "the paper's"), ("plain", "tiny"), (SOURCE, "tiny")
-    ]  # fmt: skip
-    assert rows["115-125 ms: learned returns"]["stroke_pro", "the paper's"] == 117
-    rows = table(whole[0], "replayed", "set")
-    assert rows["replayed"].to_dict() == {"stroke_pro": 2, "plain": 3, SOURCE: SETTINGS.launches}
-    assert rows["spin"]["plain"] == "none" and rows["physics"]["plain"] == "literature"
-
-
 def test_a_forecast_that_is_far_off_costs_hits(whole):
-    hits = table(whole[0], "tolerance", "error", "size_cm")["hits"]
+    hits = table(whole, "tolerance", "error", "size_cm")["hits"]
     assert hits["bias", 0.0] == hits["noise", 0.0] > 0
     assert hits["bias", 40.0] < hits["bias", 0.0]
     assert len(hits) == 5
@@ -127,11 +107,3 @@ def test_what_was_not_trained_is_one_error_and_there_are_no_metrics(tmp_path, ch
     with pytest.raises(InputError, match=message):
         transferred(tmp_path, **change)
     assert not (tmp_path / "reports").exists()
-
-
-def test_shots_of_every_set_are_shown_with_physics_and_the_learned_predictor(whole):
-    examples = read_returns(whole[0].artifact("returns.json"))
-    shown = {(one.name.split()[0], one.predictor) for one in examples}
-    sets = ("stroke_pro", "plain", SOURCE)
-    assert shown == {(name, predictor) for name in sets for predictor in ("physics", "tiny")}
-    assert len(examples) == 2 * 2 * len(sets)

@@ -1,13 +1,9 @@
 """The stage train_predictor: complete, reproducible predictors, or one error and no output."""
 
-from itertools import count
-from types import SimpleNamespace
-
 import pandas as pd
 import pytest
 import torch
 
-from rallygap.models.predictors.training import ForecastTraining
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.params import FineTuningSettings
 from rallygap.pipeline.predictors.storage import load_network, load_predictor, read_description
@@ -17,7 +13,7 @@ from rallygap.stages.train_predictor import train_predictor
 from tests.models.predictors.balls import observed
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_GRU_TAE, TINY_TAE, changed
 from tests.pipeline.measured_shots import params, shot_tables, write_inputs
-from tests.stages.outputs import items
+from tests.stages.outputs import table
 
 NETWORKS = {
     "small": TINY,
@@ -91,43 +87,32 @@ def test_fine_tuning_starts_from_the_trained_weights(whole):
     )
     moved = {name: (after[name] - before[name]).abs().max().item() for name in before}
     steps = 4 * 2 // BRIEF.batch
-    assert (
-        0 < max(moved.values()) <= 1.01 * steps * BRIEF.learning_rate
-    )  # Adam's first step is the rate
+    # Adam's first step is the rate.
+    assert 0 < max(moved.values()) <= 1.01 * steps * BRIEF.learning_rate
     assert not any(moved[name] for name in moved if name.startswith("normaliser."))
 
 
 def test_the_report_has_the_losses_of_every_epoch_and_metrics_of_the_last(whole):
     names = [*NETWORKS, *(f"{name}_fine_tuned" for name in NETWORKS)]
-    losses = pd.read_csv(whole.report("losses.csv")).set_index(["predictor", "epoch"])
-    assert losses.loc["small"].index.tolist() == [1, 2, 3]
-    shown = [item.file for item in items(whole)]
-    last = pd.read_csv(whole.report("training.csv"))
-    assert last["predictor"].tolist() == names
-    assert last["epoch"].tolist() == [3] * 4 + [1] * 4
+    losses = table(whole, "losses", "predictor")
+    assert losses.loc["small", "epoch"].tolist() == [1, 2, 3]
+    last = table(whole, "training", "predictor")
+    assert last["epoch"].to_dict() == dict(zip(names, [3] * 4 + [1] * 4, strict=True))
+    pd.testing.assert_frame_equal(last, losses.groupby("predictor", sort=False).last()[[*last]])
     metrics = read_json(whole.report("metrics.json"))
-    assert list(metrics) == names
-    for row in last.to_dict("records"):
-        assert metrics[row["predictor"]] == row["validation"]
-        epoch = losses.loc[row["predictor"], row["epoch"]]
-        assert epoch.to_dict() == {key: row[key] for key in ("training", "validation")}
-    assert shown == ["figures/training.png", "training.csv"]
+    assert metrics == last["validation"].to_dict()
     scores = {model.folder.name: model.score for model in whole.models}
     assert scores == pytest.approx(metrics)
     assert len({model.name for model in whole.models}) == len(scores)
 
 
-def assert_same(run, whole, *names):
-    """Some networks of a run and their tuned copies are those of the whole run to the byte."""
-    for name in [*names, *(f"{name}_fine_tuned" for name in names)]:
-        for path in whole.artifact(name).iterdir():
-            assert path.read_bytes() == run.artifact(f"{name}/{path.name}").read_bytes()
-
-
 def test_parallel_training_of_some_gives_the_same_bytes(whole, tmp_path, monkeypatch, capfd):
     monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "2")
     some = ("gru_tae", "small")
-    assert_same(trained(tmp_path, fine_tuning=["labelled"], networks=some), whole, *some)
+    run = trained(tmp_path, fine_tuning=["labelled"], networks=some)
+    for name in [*some, *(f"{name}_fine_tuned" for name in some)]:
+        for path in whole.artifact(name).iterdir():
+            assert path.read_bytes() == run.artifact(f"{name}/{path.name}").read_bytes()
     assert capfd.readouterr() == ("", "")
 
 
@@ -147,22 +132,3 @@ def test_a_split_without_windows_is_an_error_that_names_it(tmp_path, split):
     with pytest.raises(InputError, match=f"no episode has a window.*: split {split} of arena"):
         train_predictor(run)
     assert not run.artifact("wide").exists()
-
-
-def test_a_resumed_run_gives_the_same_bytes(whole, tmp_path, monkeypatch):
-    run = prepared(tmp_path, fine_tuning=["labelled"], networks=("small", "wide"))
-    with monkeypatch.context() as patch, pytest.raises(RuntimeError, match="killed"):
-        patch.setattr(ForecastTraining, "on_train_epoch_start", killed_in_the_last_epoch)
-        train_predictor(run)
-    assert (run.scratch("small") / "last.ckpt").is_file()
-    clock = SimpleNamespace(monotonic=count().__next__)  # a second at every look
-    monkeypatch.setattr("rallygap.models.predictors.training.time", clock)
-    again = StageRun("train_predictor", tmp_path, run.params, run.fingerprint)
-    train_predictor(again)
-    assert again.timings["wide"] == {"training_s": BRIEF.epochs}
-    assert_same(again, whole, "small", "wide")
-
-
-def killed_in_the_last_epoch(training):
-    if training.current_epoch == BRIEF.epochs - 1:
-        raise RuntimeError("killed")

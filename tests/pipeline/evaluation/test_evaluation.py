@@ -1,16 +1,15 @@
 """Coverage of calibrated sets, and the shots that are shown."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from rallygap.models.predictors.calibration import LEVELS, Errors
 from rallygap.models.predictors.errors import HORIZONS_MS
-from rallygap.models.predictors.protocol import FUTURE_TIMES, History
-from rallygap.models.predictors.windows import Windows
 from rallygap.pipeline.evaluation.coverage import Coverage
-from rallygap.pipeline.evaluation.example_shots import Forecast, Shot, read_shots, write_shots
+from rallygap.pipeline.evaluation.example_shots import Forecast, read_shots, write_shots
 from rallygap.pipeline.evaluation.forecasts import typical_first
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.report.example_reports import made_up_shots
@@ -42,7 +41,6 @@ def test_a_part_does_not_calibrate_its_own_sets():
 
 def test_shots_come_back_as_they_were_written(tmp_path):
     write_shots(tmp_path / "shots.json", made_up_shots())
-
     assert read_shots(tmp_path / "shots.json") == made_up_shots()
 
 
@@ -65,39 +63,20 @@ def test_broken_shot_is_refused_with_its_place(tmp_path, damage, message):
     content = json.loads(path.read_text())
     damage(content[0])
     path.write_text(json.dumps(content))
-
     with pytest.raises(InputError, match=f"shots.json, {message}"):
         read_shots(path)
 
 
-def window(measured_until=60):
-    measured = np.zeros((1, 60, 9), dtype=bool)
-    measured[:, :measured_until] = True
-    history = History(np.zeros((1, 12, 6)), np.zeros((1, 12, 6), dtype=bool))
-    bounced = np.zeros((1, 60), dtype=bool)
-    return Windows(history, np.zeros(1), np.zeros((1, 60, 9)), measured, bounced)
-
-
-def shot(name, **errors):
-    """A shot at rest in the origin, whose forecasts are off by so many metres a second."""
-    times = FUTURE_TIMES.tolist()
+def shot(name, *sizes):
+    """A shot in the origin, whose forecasts are off by so many metres."""
     forecasts = {
-        one: Forecast(t=times, position=[(size * time, 0.0, 0.0) for time in times])
-        for one, size in errors.items()
+        str(size): Forecast.model_construct(position=np.full((60, 3), size)) for size in sizes
     }
-    rest = {"t": [0.0], "measured": [(0.0, 0.0, 0.0)], "anchor": 0.0}
-    return Shot(episode_id=name, source="made_up", forecasts=forecasts, **rest)
+    return made_up_shots()[0].model_copy(update={"episode_id": name, "forecasts": forecasts})
 
 
 def test_the_shot_nearest_to_the_median_of_all_predictors_comes_first():
-    shots = [
-        shot("a", physics=0.01, network=0.02),
-        shot("b", physics=0.30, network=0.10),
-        shot("c", physics=0.10, network=0.05),
-        shot("d", physics=0.09, network=0.90),
-    ]
-    found = typical_first(shots, [window()] * 4)
+    sizes = {"a": (0.01, 0.02), "b": (0.30, 0.10), "c": (0.10, 0.05), "d": (0.09, 0.90)}
+    cut = SimpleNamespace(measured=np.ones((1, 60, 9), dtype=bool), future=np.zeros((1, 60, 9)))
+    found = typical_first([shot(name, *both) for name, both in sizes.items()], [cut] * 4)
     assert [one.episode_id for one in found] == ["c", "a", "b", "d"]
-    # Its errors are those of the last measured state.
-    found = typical_first(shots, [window(), window(), window(10), window()])
-    assert [one.episode_id for one in found] == ["a", "b", "c", "d"]

@@ -11,39 +11,13 @@ import pytest
 from filelock import FileLock
 
 from rallygap.models.predictors.training import ForecastTraining
-from rallygap.pipeline.predictors import parallel_training as predictor_training
 from rallygap.pipeline.predictors.parallel_training import TrainingJob, train_networks
-from tests.models.predictors.small_training import BRIEF, TINY, TINY_TAE, changed, small_training
+from tests.models.predictors.small_training import BRIEF, TINY, small_training
 
 
 def job(folder, shape=TINY, settings=BRIEF):
     training, data = small_training(settings, shape=shape)
     return TrainingJob(f"{shape.kind}", training.network, data, folder / shape.kind)
-
-
-def test_the_steps_of_a_training_are_known_before_it_begins(tmp_path, monkeypatch):
-    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "1")
-    totals = []
-    monkeypatch.setattr(predictor_training, "WatchedBars", watching(totals))
-    train_networks([job(tmp_path, TINY, changed(BRIEF, batch=7)), job(tmp_path, TINY_TAE)])
-    assert totals == [{"transformer": 12, "tae": 9}, [12, 9]]
-
-
-def watching(totals):
-    """A context that records the total steps, and at its end the completed ones."""
-
-    class Watching:
-        def __init__(self, steps, done):
-            totals.append(steps)
-            self.done = done
-
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *_):
-            totals.append(self.done())
-
-    return Watching
 
 
 def test_a_training_waits_for_who_else_is_at_it(tmp_path, monkeypatch):

@@ -2,7 +2,6 @@
 
 import json
 import pickle
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,57 +22,34 @@ from rallygap.pipeline.predictors.storage import (
 )
 from rallygap.pipeline.runtime.errors import InputError
 from tests.models.predictors.balls import observed
-from tests.models.predictors.small_training import (
-    BRIEF,
-    NETWORKS,
-    TINY,
-    small_training,
-)
-
-ROOT = Path(__file__).parents[3]
-LEARNING = Learning(
-    episodes=4321, windows=98765, validation_episodes=432, settings=BRIEF, seed=17
-)  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def trained():
-    """A network whose normaliser was fitted."""
-    return small_training()[0].network
-
-
-def description(**changes):
-    plain = {
-        "name": "small_transformer",
-        "network": TINY,
-        "parameters": 2468,
-        "sources": ["arena", "tt3d"],
-        "starts_from": None,
-        "learning": LEARNING,
-    }
-    return TrainedPredictor(**{**plain, **changes})
+from tests.models.predictors.small_training import BRIEF, NETWORKS, small_training
+from tests.pipeline.measured_shots import write_trained
 
 
 @pytest.fixture
-def folder(tmp_path, trained):
-    """Where it is saved."""
-    save_predictor(tmp_path / "predictor", trained, Spread(), description())
-    return tmp_path / "predictor"
+def folder(tmp_path):
+    """Where a predictor is saved."""
+    write_trained(tmp_path, "small")
+    return tmp_path / "artifacts" / "train_predictor" / "small"
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
 def test_a_network_of_every_kind_comes_back(tmp_path, kind):
-    trained, shape = small_training(shape=NETWORKS[kind])[0].network, NETWORKS[kind]
-    spread = Spread()
-    save_predictor(tmp_path / kind, trained, spread, description(network=shape))
+    shape, spread = NETWORKS[kind], Spread()
+    network = small_training(shape=shape)[0].network
+    learning = Learning(episodes=43, windows=987, validation_episodes=4, settings=BRIEF, seed=17)
+    description = TrainedPredictor(
+        name="small", network=shape, parameters=2468, sources=["arena", "tt3d"],
+        starts_from=None, learning=learning,
+    )  # fmt: skip
+    save_predictor(tmp_path, network, spread, description)
     history, _ = observed(noise=0.003)
-    saved, loaded = LearnedPredictor(trained, spread), load_predictor(tmp_path / kind)
-    np.testing.assert_array_equal(saved.predict(history).states, loaded.predict(history).states)
-    np.testing.assert_array_equal(
-        saved.predict_with_covariances(history)[1], loaded.predict_with_covariances(history)[1]
-    )
-    assert read_description(tmp_path / kind).network == shape
-    assert f"kind {kind}" in (tmp_path / kind / CARD).read_text()
+    saved, loaded = LearnedPredictor(network, spread), load_predictor(tmp_path)
+    before, after = (one.predict_with_covariances(history) for one in (saved, loaded))
+    np.testing.assert_array_equal(before[0].states, after[0].states)
+    np.testing.assert_array_equal(before[1], after[1])
+    assert read_description(tmp_path) == description
+    assert f"kind {kind}" in (tmp_path / CARD).read_text()
 
 
 class Trap:

@@ -1,4 +1,4 @@
-"""Training as a stage runs it: the same whether or not it was killed on the way."""
+"""Training as a stage runs it: the same whether or not it was killed, and no orphan goes on."""
 
 import errno
 import os
@@ -7,38 +7,44 @@ from pathlib import Path
 
 import pytest
 import torch
-from torch.nn.utils import parameters_to_vector
 
 from rallygap.models.predictors.training import ForecastTraining
 from rallygap.pipeline.predictors.trainer import StepReporter, train
 from tests.models.predictors.small_training import BRIEF, changed, small_training
 
 
-class Killed(ForecastTraining):
-    """A training that is killed before a step."""
-
-    killed_at = 0
-
-    def training_step(self, batch):
-        if self.global_step == self.killed_at:
-            raise RuntimeError("killed")
-        return super().training_step(batch)
+def killed():
+    raise RuntimeError("killed")
 
 
-class Counted(ForecastTraining):
-    """A training that counts its steps."""
+def terminated():
+    os.kill(os.getpid(), signal.SIGTERM)
 
-    steps = 0
+
+class Struck(ForecastTraining):
+    """A training that counts its steps, and is struck before one of them."""
+
+    steps, struck_at, strike = 0, None, staticmethod(killed)
 
     def training_step(self, batch):
+        if self.global_step == self.struck_at:
+            self.strike()
         self.steps += 1
         return super().training_step(batch)
 
 
-def trained(checkpoints, seed=0):
-    training, data = small_training(seed=seed, kind=Counted)
+def trained(checkpoints, **changes):
+    training, data = small_training(changed(BRIEF, **changes), kind=Struck)
     train(training, data, checkpoints)
     return training
+
+
+def struck(checkpoints, step, strike=killed, **changes):
+    training, data = small_training(changed(BRIEF, **changes), kind=Struck)
+    training.struck_at, training.strike = step, strike
+    with pytest.raises((RuntimeError, SystemExit)) as stopped:
+        train(training, data, checkpoints)
+    return stopped.value
 
 
 @pytest.fixture(scope="module")
@@ -62,30 +68,26 @@ def test_denormal_numbers_are_zero_while_a_network_is_trained(tmp_path):
     assert (2 * smallest).item() > 0.0
 
 
-@pytest.mark.parametrize(("step", "left"), [(2, 9), (3, 6), (8, 3)])
-def test_a_training_that_was_killed_goes_on_to_the_same_result(uninterrupted, tmp_path, step, left):
-    killed, data = small_training(kind=Killed)
-    killed.killed_at = step
-    with pytest.raises(RuntimeError, match="killed"):
-        train(killed, data, tmp_path / "checkpoints")
-
-    resumed = trained(tmp_path / "checkpoints")
-
-    assert_same(resumed, uninterrupted)
+@pytest.mark.parametrize(
+    ("changes", "step", "left"),
+    [
+        ({}, 2, 9),
+        ({}, 3, 6),
+        ({}, 8, 3),
+        ({"decay": None}, 4, 6),
+        ({"decay": None, "matrix_learning_rate": 0.01}, 4, 6),
+    ],
+)
+def test_a_training_that_was_killed_goes_on_to_the_same_result(tmp_path, changes, step, left):
+    assert str(struck(tmp_path / "killed", step, **changes)) == "killed"
+    resumed = trained(tmp_path / "killed", **changes)
+    assert_same(resumed, trained(tmp_path / "whole", **changes))
     assert resumed.steps == left  # from the last whole epoch, of three steps each
 
 
-@pytest.mark.parametrize("matrix_learning_rate", [None, 0.01])
-def test_a_training_with_another_rate_at_every_step_goes_on_as_well(tmp_path, matrix_learning_rate):
-    settings = changed(BRIEF, decay=None, matrix_learning_rate=matrix_learning_rate)
-    killed, data = small_training(settings, kind=Killed)
-    killed.killed_at = 4
-    with pytest.raises(RuntimeError, match="killed"):
-        train(killed, data, tmp_path / "killed")
-    resumed, uninterrupted = small_training(settings), small_training(settings)
-    train(*resumed, tmp_path / "killed")
-    train(*uninterrupted, tmp_path / "uninterrupted")
-    assert_same(resumed[0], uninterrupted[0])
+def test_a_terminated_training_can_be_resumed(uninterrupted, tmp_path):
+    assert struck(tmp_path, 3, terminated).code == 143
+    assert_same(trained(tmp_path), uninterrupted)
 
 
 def test_a_checkpoint_for_which_the_disk_has_no_room_leaves_the_one_before(
@@ -107,77 +109,12 @@ def test_a_checkpoint_for_which_the_disk_has_no_room_leaves_the_one_before(
     assert_same(again, uninterrupted)
 
 
-class Terminated(ForecastTraining):
-    """A training that gets SIGTERM in its second epoch."""
-
-    def on_train_epoch_start(self):
-        if self.current_epoch == 1:
-            os.kill(os.getpid(), signal.SIGTERM)
-
-
-def test_a_terminated_training_can_be_resumed(uninterrupted, tmp_path):
-    training, data = small_training(kind=Terminated)
-    with pytest.raises(SystemExit) as stopped:
-        train(training, data, tmp_path / "checkpoints")
-    assert stopped.value.code == 143
-    assert_same(trained(tmp_path / "checkpoints"), uninterrupted)
-
-
-def test_completed_steps_are_reported(tmp_path):
-    reported = []
-    killed, data = small_training(kind=Killed)
-    killed.killed_at = 5
-    with pytest.raises(RuntimeError, match="killed"):
-        train(killed, data, tmp_path, [StepReporter(reported.append)])
-    assert reported == [0, 1, 2, 3, 4, 5]
-    training, data = small_training()
-    train(training, data, tmp_path, [StepReporter(reported.append)])
-    assert reported[6:] == [3, 4, 5, 6, 7, 8, 9]
-
-
 def test_a_training_that_is_done_is_not_done_again_and_nothing_is_printed(
     uninterrupted, tmp_path, capfd, recwarn
 ):
-    trained(tmp_path / "checkpoints")
-    again = trained(tmp_path / "checkpoints")
+    trained(tmp_path)
+    again = trained(tmp_path)
     assert again.steps == 0
     assert_same(again, uninterrupted)
     assert capfd.readouterr() == ("", "")
     assert [str(warning.message) for warning in recwarn] == []
-
-
-class Moved(ForecastTraining):
-    """A training by plain descent, that notes how far each step moves the weights."""
-
-    def configure_optimizers(self):
-        return torch.optim.SGD(self.network.parameters(), lr=1.0)
-
-    def on_train_start(self):
-        self.moves = []
-
-    def on_train_batch_start(self, *_):
-        self.before = parameters_to_vector(self.network.parameters()).detach()
-
-    def on_train_batch_end(self, *_):
-        now = parameters_to_vector(self.network.parameters()).detach()
-        self.moves.append((now - self.before).norm().item())
-
-
-def moves(checkpoints, longest):
-    training, data = small_training(changed(BRIEF, max_gradient_norm=longest, epochs=1), kind=Moved)
-    train(training, data, checkpoints)
-    return training.moves
-
-
-def test_a_step_s_gradient_is_cut_to_the_longest_where_there_is_one(tmp_path):
-    assert moves(tmp_path / "cut", 1e-3) == pytest.approx([1e-3] * 3, rel=1e-2)
-    assert min(moves(tmp_path / "whole", None)) > 0.1
-
-
-def test_half_precision_trains_full_weights(uninterrupted, tmp_path):
-    training, data = small_training(changed(BRIEF, precision="bf16-mixed"))
-    train(training, data, tmp_path / "checkpoints")
-    assert training.curve[-1]["validation"] == pytest.approx(
-        uninterrupted.curve[-1]["validation"], 0.05
-    )
-    assert {weight.dtype for weight in training.network.parameters()} == {torch.float32}

@@ -1,7 +1,6 @@
 """The report of a sweep: parameters that params.yaml accepts, and the same bytes every time."""
 
 import shutil
-import sqlite3
 from functools import partial
 
 import optuna
@@ -11,11 +10,11 @@ import pytest
 from rallygap.pipeline.io.artifacts import read_json
 from rallygap.pipeline.params import check_params, read_yaml
 from rallygap.pipeline.profiles import merged
-from rallygap.pipeline.sweeps import report
 from rallygap.pipeline.sweeps import study as trials
-from rallygap.pipeline.sweeps.report import sweep_figure, write_report
+from rallygap.pipeline.sweeps.report import write_report
 from rallygap.pipeline.sweeps.settings import Sweep
 from rallygap.pipeline.tracking import recording as tracking
+from tests.pipeline.runs import runs, store
 from tests.pipeline.sweeps.small_sweeps import HEADS, RATE, ROOT, run, small_sweep, valley
 
 
@@ -50,35 +49,12 @@ def test_the_table_has_every_trial(swept):
     assert sum(summary["trials"].values()) == 16
 
 
-def test_the_report_is_written_again_with_the_same_bytes(swept):
+def test_a_report_comes_again_with_the_same_bytes_and_another_result_is_not_confirmed(swept):
     sweep, study, _ = swept
     files = {path.name: path.read_bytes() for path in sweep.report.iterdir()}
     assert set(files) == {"best_params.yaml", "trials.csv", "sweep.json", "trials.png"}
     write_report(sweep, study)
     assert {path.name: path.read_bytes() for path in sweep.report.iterdir()} == files
-
-
-def test_the_figure_has_the_importance_once_enough_trials_were_completed(tmp_path, monkeypatch):
-    drawn = []
-    monkeypatch.setattr(report, "save_figure", lambda _, figure: drawn.append(figure))
-    sweep = small_sweep(tmp_path, pruning={"first_trials": 20, "first_steps": 1})
-    for count in (19, 20):
-        write_report(sweep, run(sweep, count))
-    assert [len(figure.axes) for figure in drawn] == [1, 2]
-
-
-def test_the_figure_has_every_trial_and_the_score_of_params():
-    outcomes = ["completed", "pruned", "completed"]
-    trials = pd.DataFrame({"trial": range(3), "outcome": outcomes, "score": [0.3, 0.6, 0.2]})
-    (axes,) = sweep_figure(trials, {}, "loss", 0.3).axes
-    drawn = {line.get_label(): line.get_xydata().tolist() for line in axes.lines}
-    assert drawn["completed"] == [[0, 0.3], [2, 0.2]]
-    assert drawn["pruned, at its last step"] == [[1, 0.6]]
-    assert [y for _, y in drawn["params.yaml"]] == [0.3, 0.3]
-
-
-def test_another_result_removes_the_confirmation_of_the_old_one(swept):
-    sweep, study, _ = swept
     confirmed = sweep.report / "confirmed.json"
     confirmed.write_text("{}")
     write_report(sweep, study)
@@ -88,10 +64,10 @@ def test_another_result_removes_the_confirmation_of_the_old_one(swept):
     assert not confirmed.exists()
 
 
-def failing_once(params, folder, report):
+def failing_once(params, *trial):
     if params.train_predictor.training.learning_rate == 0.0625:
         raise ZeroDivisionError
-    return valley(params, folder, report)
+    return valley(params, *trial)
 
 
 def test_trials_are_nested_mlflow_runs_and_a_failed_one_does_not_fail_the_parent(
@@ -106,19 +82,14 @@ def test_trials_are_nested_mlflow_runs_and_a_failed_one_does_not_fail_the_parent
     for rate in (0.0625, 0.02):
         study.enqueue_trial({RATE: rate})
     study.optimize(partial(trials.run_trial, sweep, failing_once), 2, catch=ZeroDivisionError)
-    with sqlite3.connect(tmp_path / "mlflow.db") as store:
-        runs = store.execute("SELECT name, status FROM runs ORDER BY name").fetchall()
-        parents = store.execute(
-            "SELECT r.name FROM tags t JOIN runs r ON r.run_uuid = t.value "
-            "WHERE t.key = 'mlflow.parentRunId'"
-        ).fetchall()
-        rates = store.execute(f"SELECT value FROM params WHERE key = '{RATE}'").fetchall()
-        steps = store.execute("SELECT key, step FROM metrics ORDER BY step").fetchall()
-    parent = "rallygap sweep tiny"
-    assert runs == [(parent, "FINISHED"), ("trial 0", "FAILED"), ("trial 1", "FINISHED")]
-    assert parents == [(parent,)] * 2
-    assert sorted(rates) == [("0.02",), ("0.0625",)]
-    assert steps == [("validation_loss", step) for step in (1, 2, 3)]
+    found = {one.info.run_name: one for one in runs(tmp_path, "")}
+    parent = found.pop("rallygap sweep tiny").info
+    ends = {name: one.info.status for name, one in found.items()}
+    assert (parent.status, ends) == ("FINISHED", {"trial 0": "FAILED", "trial 1": "FINISHED"})
+    assert {one.data.tags["mlflow.parentRunId"] for one in found.values()} == {parent.run_id}
+    assert [found[name].data.params[RATE] for name in sorted(ends)] == ["0.0625", "0.02"]
+    losses = store(tmp_path).get_metric_history(found["trial 1"].info.run_id, "validation_loss")
+    assert [one.step for one in losses] == [1, 2, 3]
 
 
 @pytest.mark.parametrize("name", ["predictor", "policy"])

@@ -15,14 +15,6 @@ def test_the_first_trial_of_a_committed_sweep_has_the_parameters_of_params_yaml(
     assert sweep.trial_params(defaults) == sweep.trial_params({})
 
 
-def test_a_trial_changes_the_searched_parameters_and_those_that_shorten_it(tmp_path):
-    sweep = small_sweep(tmp_path)
-    params = sweep.trial_params({RATE: 0.02, HEADS: 8}).train_predictor
-    assert (params.training.learning_rate, params.training.epochs) == (0.02, 3)
-    assert params.networks["transformer"].heads == 8
-    assert params.training.batch == sweep.params["train_predictor"]["training"]["batch"]
-
-
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
@@ -61,12 +53,3 @@ def test_other_data_or_another_space_make_another_study_but_more_trials_do_not(t
     sweep = small_sweep(tmp_path)
     (tmp_path / "data.txt").write_text("other shots")
     assert sweep.study != study
-
-
-def test_the_weights_of_the_reward_can_be_searched(tmp_path):
-    space = {"train_policy.reward.contact": {"low": 0.1, "high": 1.0}}
-    group = {"group": "sim2sim", "simulator": "imperfect_c", "horizons_ms": [115, 120, 125]}
-    sweep = small_sweep(tmp_path, trains="policy", network=None, in_trials={}, space=space, **group)
-    assert (
-        sweep.trial_params({"train_policy.reward.contact": 0.9}).train_policy.reward.contact == 0.9
-    )

@@ -8,12 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from optuna import TrialPruned
-from ruamel.yaml import YAML
 from typer.testing import CliRunner
 
 from rallygap.pipeline.cli import app
 from rallygap.pipeline.io.artifacts import read_json
-from rallygap.pipeline.params import load_params
+from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.policies import training as policy_training
 from rallygap.pipeline.policies.training import TrainingJob, train_policies
 from rallygap.pipeline.profiles import merged
@@ -38,7 +37,8 @@ TINY_TRAINING = {
 LEARNING = "train_policy.groups.sim2sim.learning"
 POLICY = {
     "trains": "policy", "group": "sim2sim", "simulator": "imperfect_c",
-    "horizons_ms": [115, 120, 125], "trials": 2, "in_trials": {},
+    "horizons_ms": [115, 120, 125], "trials": 2,
+    "in_trials": {f"{LEARNING}.{name}": value for name, value in BRIEF.model_dump().items()},
     "space": {f"{LEARNING}.discount": {"low": 0.9, "high": 0.99}},
     "pruning": {"first_trials": 3, "first_steps": 0},
 }  # fmt: skip
@@ -58,8 +58,8 @@ def predictor_sweep(root):
     return small_sweep(root, in_trials=TINY_TRAINING)
 
 
-def policy_sweep(root):
-    return small_sweep(root, **{**dict.fromkeys(SETTINGS), **POLICY})
+def policy_sweep(root, **changes):
+    return small_sweep(root, **{**dict.fromkeys(SETTINGS), **POLICY, **changes})
 
 
 def test_a_predictor_is_scored_by_its_validation_loss_after_every_epoch(tmp_path):
@@ -80,20 +80,20 @@ def test_a_predictor_is_scored_by_its_validation_loss_after_every_epoch(tmp_path
     assert len(reports) == 3  # it is trained no further
 
 
-def brief(params):
-    group = params.train_policy.groups["sim2sim"].model_copy(update={"learning": BRIEF})
-    policies = params.train_policy.model_copy(update={"groups": {"sim2sim": group}, "trials": 10})
-    return params.model_copy(update={"train_policy": policies})
-
-
 def test_a_policy_is_scored_by_its_return_rate_after_every_iteration(tmp_path):
     sweep, reports = policy_sweep(tmp_path), []
-    params = brief(sweep.trial_params({}))
+    params = sweep.trial_params({})
     score = training_of(sweep)(params, tmp_path / "trial", lambda *one: reports.append(one))
     job = TrainingJob(described(sweep.settings, params), tmp_path / "trial")
     curve = train_policies([job])[0].curve  # they are done
     assert reports == list(enumerate(curve["return_rate"], start=1))
     assert score == reports[-1][1]
+
+
+def test_the_weights_of_the_reward_can_be_searched(tmp_path):
+    weight = "train_policy.reward.contact"
+    sweep = policy_sweep(tmp_path, space={weight: {"low": 0.1, "high": 1.0}})
+    assert sweep.trial_params({weight: 0.9}).train_policy.reward.contact == 0.9
 
 
 def compared(params, found, smaller=True):
@@ -117,18 +117,6 @@ def test_a_difference_holds_on_every_shot_and_with_every_seed_alone():
     assert not compared(hard, hard + noise - noise.mean() - 0.01)["holds"]
 
 
-def confirmed(sweep, best):
-    write_yaml(sweep.report / "best_params.yaml", best)
-    return run_confirm(sweep)
-
-
-def small(root, **changes):
-    """Let the full trainings of a repository be small, too."""
-    params = root / "params.yaml"
-    settings = YAML(typ="safe").load(params.read_text())
-    write_yaml(params, merged(settings, changes))
-
-
 def test_best_parameters_are_read_under_todays_names_and_without_an_alias(tmp_path):
     sweep = small_sweep(tmp_path)
     with pytest.raises(InputError, match="run `rallygap sweep tiny`"):
@@ -141,17 +129,21 @@ def test_best_parameters_are_read_under_todays_names_and_without_an_alias(tmp_pa
         compared_params(sweep)
 
 
+def confirmed(root, best, **full):
+    """Confirm parameters by full trainings that are small, too."""
+    write_yaml(root / "params.yaml", merged(read_yaml(root / "params.yaml"), full))
+    sweep = Sweep(root, "tiny")
+    write_yaml(sweep.report / "best_params.yaml", best)
+    return run_confirm(sweep)
+
+
 def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
-    predictor_sweep(tmp_path)
+    sweep = predictor_sweep(tmp_path)
     # At its first step the learning rate is zero.
-    network = {"transformer": {"width": 16}}
-    small(tmp_path, train_predictor={"training": {"epochs": 3}, "networks": network})
-    sweep = Sweep(tmp_path, "tiny")
-    table = confirmed(sweep, {"train_predictor": {"training": {"learning_rate": 0.02}}})
-    assert table["measure"].tolist()[:2] == [
-        "position error, 100 to 300 ms (mm)",
-        "position error at 100 ms (mm)",
-    ]
+    full = {"training": {"epochs": 3}, "networks": {"transformer": {"width": 16}}}
+    best = {"train_predictor": {"training": {"learning_rate": 0.02}}}
+    table = confirmed(tmp_path, best, train_predictor=full)
+    assert table.loc[0, "measure"] == "position error, 100 to 300 ms (mm)"
     assert len(table) == 10
     assert (table.loc[1:3, "params"].diff().dropna() > 0).all()  # errors grow with the horizon
     seeds = table.loc[0, ["seed_1", "seed_2", "seed_3"]]
@@ -164,11 +156,10 @@ def test_predictors_are_confirmed_on_test_windows_with_three_seeds(tmp_path):
 
 def test_policies_are_confirmed_on_unseen_shots_with_three_seeds(tmp_path):
     policy_sweep(tmp_path)
-    groups = {"sim2sim": {"learning": BRIEF.model_copy(update={"iterations": 1}).model_dump()}}
-    small(tmp_path, train_policy={"groups": groups, "trials": 10})
-    sweep = Sweep(tmp_path, "tiny")
-    group = {"sim2sim": {"learning": {"discount": 0.9}}}
-    table = confirmed(sweep, {"train_policy": {"groups": group}})
+    learning = {**BRIEF.model_dump(), "iterations": 1}
+    full = {"groups": {"sim2sim": {"learning": learning}}, "trials": 10}
+    best = {"train_policy": {"groups": {"sim2sim": {"learning": {"discount": 0.9}}}}}
+    table = confirmed(tmp_path, best, train_policy=full)
     assert table["measure"].tolist() == ["return rate", "hit rate"]
     assert table["n"].tolist() == [30, 30]
     assert table["params"].between(0, 1).all()
@@ -176,15 +167,13 @@ def test_policies_are_confirmed_on_unseen_shots_with_three_seeds(tmp_path):
 
 def test_there_is_nothing_to_confirm_if_no_trial_is_better_than_params(tmp_path, monkeypatch):
     sweep = small_sweep(tmp_path)
-    rate = load_params(ROOT / "params.yaml").train_predictor.training.learning_rate
-    assert confirmed(sweep, {"train_predictor": {"training": {"learning_rate": rate}}}) is None
-    assert not (sweep.report / "confirmed.csv").exists()
-    assert not sweep.scratch.exists()
+    write_yaml(sweep.report / "best_params.yaml", {"seed": sweep.params["seed"]})
     (tmp_path / "pyproject.toml").touch()
     monkeypatch.chdir(tmp_path)
     said = CliRunner().invoke(app, ["confirm", "tiny"])
     assert said.exit_code == 0
     assert "there is nothing to confirm" in said.output
+    assert not (sweep.report / "confirmed.csv").exists() and not sweep.scratch.exists()
 
 
 def sweep_with_two_workers(root, **environment):

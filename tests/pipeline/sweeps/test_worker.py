@@ -4,10 +4,10 @@ import multiprocessing
 import time
 from contextlib import contextmanager
 from functools import partial
+from unittest.mock import Mock
 
 import pandas as pd
 import pytest
-from filelock import FileLock, Timeout
 from optuna.trial import TrialState
 
 from rallygap.pipeline.runtime.errors import InputError
@@ -77,17 +77,6 @@ def test_trials_whose_score_is_not_finite_are_pruned_and_without_others_there_is
     assert not sweep.report.exists()
 
 
-@pytest.mark.parametrize("first_steps", [0, 1])
-def test_trials_worse_than_the_median_are_pruned_after_the_first_steps(tmp_path, first_steps):
-    pruning = {"first_trials": 3, "first_steps": first_steps}
-    study = run(small_sweep(tmp_path, pruning=pruning), 15)
-    pruned = [one for one in study.trials if one.state == TrialState.PRUNED]
-    assert pruned
-    assert all(first_steps < one.last_step < 3 for one in pruned)
-    assert min(one.intermediate_values[1] for one in pruned) > study.best_value
-    assert ended(study) == 15
-
-
 def test_values_that_are_invalid_together_are_pruned(tmp_path):
     width = "train_predictor.networks.transformer.width"
     space = {HEADS: [4, 8], width: [60, 64]}
@@ -96,17 +85,13 @@ def test_values_that_are_invalid_together_are_pruned(tmp_path):
         assert (one.state == TrialState.PRUNED and not one.intermediate_values) == invalid
 
 
-def killed(params, folder, report):
-    raise SystemExit(143)
-
-
 def test_a_trial_that_keeps_ending_its_worker_is_retried_three_times(tmp_path, monkeypatch):
     monkeypatch.setattr(study_module, "process_lives", lambda name: False)
     sweep = small_sweep(tmp_path)
     study = open_study(sweep, None)
     for _ in range(6):
         with pytest.raises(SystemExit):
-            run(sweep, 10, killed)
+            run(sweep, 10, Mock(side_effect=SystemExit(143)))
         retry_lost(study)
     first = [one for one in study.trials if one.params == sweep.defaults()]
     assert states(study)[:6] == [TrialState.FAIL] * 6
@@ -135,19 +120,6 @@ def assert_retried(study):
     (failed,) = [one for one in study.trials if one.state == TrialState.FAIL]
     again = [one for one in study.trials if one.system_attrs.get("failed_trial") == failed.number]
     assert [one.params for one in again] == [failed.params]
-
-
-def test_the_report_is_written_by_one_worker_at_a_time(tmp_path, monkeypatch):
-    sweep = small_sweep(tmp_path)
-
-    def reported(sweep, study):
-        with pytest.raises(Timeout):
-            FileLock(sweep.scratch / "lock").acquire(timeout=0)
-        return ["reported"]
-
-    monkeypatch.setattr(study_module, "training_of", lambda sweep: valley)
-    monkeypatch.setattr(study_module, "write_report", reported)
-    assert run_sweep(sweep, None, 1) == ["reported"]
 
 
 def test_a_trial_of_a_worker_on_another_machine_is_left_to_it(tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""Trials of policies: their labels and files, how often balls are returned, and what is gained."""
+"""Trials of policies: their labels and files, how often balls are returned, what is gained."""
 
 from dataclasses import replace
 
@@ -6,16 +6,21 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from rallygap.models.ball.simulators import shipped
+from rallygap.models.gap.amend.simulator import amended
 from rallygap.models.policy.trial import play
 from rallygap.pipeline.io.artifacts import write_table
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.transfer.rates import differences, holm, rates
+from rallygap.pipeline.transfer.retraining import retraining_table, share_closed
 from rallygap.pipeline.transfer.returns import AFTER, LANDED, read_played
 from rallygap.pipeline.transfer.trials import play_policy
-from tests.models.policy.schooling import drawn_policy
+from rallygap.pipeline.transfer.truth_comparison import NamedCauses, number_table
+from tests.pipeline.amendments import causes
 from tests.pipeline.played_trials import KEYS, everything, trials
 from tests.pipeline.returned import trials as returned_trials
 from tests.pipeline.trained_policies import chaser, description
+from tests.pipeline.verdicts import verdict
 
 
 def test_trials_have_the_policy_s_labels_and_the_forecast_error():
@@ -31,17 +36,6 @@ def test_trials_have_the_policy_s_labels_and_the_forecast_error():
     assert table["forecast_error_m"].tolist() == pytest.approx([0.02] * 6)
 
 
-def test_a_policy_observes_how_sure_its_predictor_is():
-    trained = description(observation="spread", forecasts="filtered")
-    policy, task = drawn_policy(0, kind="spread"), trained.task
-    balls, goals = task.draw(6, np.random.default_rng(0))
-    surer = replace(balls, spreads=0.1 * balls.spreads)
-    tables = [
-        play_policy(policy, trained, task.simulator, one, goals).table for one in (balls, surer)
-    ]
-    assert (tables[0]["nearest"] != tables[1]["nearest"]).any()
-
-
 PLAYED = returned_trials()
 
 
@@ -53,11 +47,6 @@ def test_returns_and_they_alone_have_states():
     back = PLAYED[PLAYED["returned"]]
     speeds = np.linalg.norm(back[AFTER[3:6]], axis=1)
     assert speeds == pytest.approx(back["speed"].to_numpy())
-
-
-def test_trials_come_back_from_a_file(tmp_path):
-    write_table(tmp_path / "played.parquet", PLAYED)
-    assert read_played(tmp_path / "played.parquet").equals(PLAYED)
 
 
 @pytest.mark.parametrize(
@@ -107,35 +96,17 @@ def test_the_interval_of_a_difference_is_that_of_paired_balls():
     assert found["difference"] - found["ci_low"] == pytest.approx(margin, rel=0.1)
 
 
-def of_trainings(share, predictor, seed, shots=60):
-    """Trials of three trainings that return a share of the shots; a recording has three."""
+def of_trainings(seed):
+    """Trials of three trainings that return 60 % of the shots; a recording has three."""
     random = np.random.default_rng(seed)
-    parts = [trials(random.random(shots) < share, repeat, predictor) for repeat in range(3)]
-    table = pd.concat(parts, ignore_index=True)
+    table = pd.concat([trials(random.random(150) < 0.6, repeat) for repeat in range(3)])
     return table.assign(recording=table["ball"] // 3)
 
 
 def test_intervals_cover_a_known_rate():
-    inside = [
-        rates(of_trainings(0.6, "physics", seed, 150), ["predictor"]).iloc[0] for seed in range(25)
-    ]
-    covered = [row["return_rate_low"] <= 0.6 <= row["return_rate_high"] for row in inside]
-    assert 0.85 <= np.mean(covered) <= 1.0
-
-
-def test_a_predictor_that_returns_more_is_told_from_one_that_does_not():
-    three = [
-        of_trainings(0.4, "physics", 0),
-        of_trainings(0.9, "oracle", 1),
-        of_trainings(0.4, "transformer", 2),
-    ]
-    gains = differences(pd.concat(three), ["set"], {"predictor": "physics"})
-    returns = gains[gains["outcome"] == "returns"].set_index("predictor")
-    expected = three[1]["returned"].mean() - three[0]["returned"].mean()
-    assert returns.loc["oracle", "difference"] == pytest.approx(expected)
-    assert returns.loc["oracle", "p_holm"] < 0.01
-    assert returns.loc["oracle", "ci_low"] > 0
-    assert returns.loc["transformer", "p_holm"] > 0.05
+    found = pd.concat([rates(of_trainings(seed), ["predictor"]) for seed in range(25)])
+    covered = (found["return_rate_low"] <= 0.6) & (found["return_rate_high"] >= 0.6)
+    assert 0.85 <= covered.mean() <= 1.0
 
 
 def test_the_correction_is_that_of_holm():
@@ -145,3 +116,76 @@ def test_the_correction_is_that_of_holm():
     assert adjusted.index.tolist() == list("abcd")
     np.testing.assert_allclose(adjusted, [0.03, 0.06, 0.06, 0.02])
     assert holm(pd.Series([0.6, 0.9])).tolist() == [1.0, 1.0]
+
+
+def retrained(oracle=True, own=0.75, times=5):
+    """Four balls: physics returns one, the amended simulator two, both changes three; repeated."""
+    parts = [
+        trials([1, 0, 0, 0] * times, policy="original"),
+        trials([1, 0, 0, 0] * times, policy="original", predictor="transformer"),
+        trials([0, 1, 1, 0] * times, policy="original", predictor="amended"),
+        trials([1, 1, 1, 0] * times, policy="retrained", predictor="amended"),
+    ]
+    if oracle:
+        parts.append(trials([1, 1, 1, 1] * times, policy="original", predictor="oracle"))
+    rows = retraining_table(pd.concat(parts, ignore_index=True), {"115-125": own})
+    return rows.set_index(["policy", "predictor"])
+
+
+def test_shares_of_the_gap_are_of_what_the_oracle_gains():
+    rows = retrained()
+    assert rows["return_rate"].tolist() == [0.25, 0.25, 0.5, 0.75, 1.0]
+    closed = rows["gap_closed"]
+    assert closed["original", "transformer"] == 0
+    assert closed["original", "amended"] == pytest.approx(1 / 3)
+    assert closed["retrained", "amended"] == pytest.approx(2 / 3)
+    assert closed["original", "oracle"] == 1
+    assert np.isnan(closed["original", "physics"])
+
+
+def test_without_an_oracle_the_gap_is_to_the_rate_in_the_own_simulator():
+    closed = retrained(oracle=False)["gap_closed"]
+    assert closed["original", "amended"] == pytest.approx(0.25 / 0.5)
+    assert closed["retrained", "amended"] == pytest.approx(1)
+    assert retrained(oracle=False, own=0.25, times=1)["gap_closed"].isna().all()
+
+
+def test_there_is_a_share_where_the_gap_is_sure():
+    sure, unsure = np.ones((1, 40)), np.resize([1.0, -0.9], (1, 40))
+    gain, balls = np.resize([1.0, 0.0], (1, 40)), np.arange(40)
+    share, low, high = share_closed(gain, sure, balls)
+    assert share == 0.5 and low == pytest.approx(0.35, abs=0.06) and low < 0.5 < high
+    assert np.isnan(share_closed(gain, unsure, balls)).all()
+
+
+ORIGINAL = shipped("imperfect_c")
+
+
+def numbers(truth):
+    found = verdict(causes=causes("imperfect_c", {"drag": {"cd": 0.5}, "wind": {"x": 0.2}}))
+    named = NamedCauses.model_validate_json(found.to_json()).causes
+    rows = number_table(ORIGINAL, amended(ORIGINAL, found), named, truth)
+    return rows.set_index(["effect", "parameter"])
+
+
+def test_found_and_missed_parameters_are_compared_with_the_truth():
+    truth = ORIGINAL.amended("drag", cd=0.55).amended("table_bounce", restitution=0.98)
+    rows = numbers(truth.amended("racket_bounce", restitution=0.8))
+    assert rows.loc["racket_bounce", "restitution"][["low", "high"]].isna().all()
+    drag = rows.loc["drag", "cd"]
+    assert drag.tolist() == [0.4, 0.5, 0.49, 0.51, 0.55]
+    missed = rows.loc["table_bounce", "restitution"]
+    assert missed[["original", "amended", "truth"]].tolist() == [0.9, 0.9, 0.98]
+    assert missed[["low", "high"]].isna().all()
+    assert ("magnus", "cm") not in rows.index
+
+
+def test_an_effect_that_a_simulator_lacks_has_no_number_there_and_a_table_of_the_cameras_none():
+    rows = numbers(None)
+    assert pd.isna(rows.loc["wind", "x"]["original"])
+    assert rows.loc["wind", "x"]["amended"] == 0.2
+    assert rows["truth"].isna().all()
+    nodes = [[0.0, 0.0, 0.2, 1.0, 0.0, 0.0]]
+    camera = {"amplitude": 0.002, "length": 0.7, "nodes": nodes}
+    rows = number_table(ORIGINAL, ORIGINAL.amended("camera_distortion", **camera), [], None)
+    assert rows["parameter"].tolist() == ["amplitude", "length"]
