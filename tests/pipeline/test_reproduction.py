@@ -1,9 +1,11 @@
 """The whole pipeline on a fresh copy of the repository, as small as it gets."""
 
 import hashlib
+import ipaddress
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -14,12 +16,13 @@ import numpy as np
 import pytest
 import yaml
 
-from experiments.clone import cloned, rallygap, run
+from experiments.clone import cloned, environment, rallygap, run
 from rallygap.models.predictors.protocol import History
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.predictors.storage import load_predictor
 from rallygap.pipeline.profiles import merged
 from tests.pipeline.runs import runs, store
+from tests.services import listening
 
 pytestmark = pytest.mark.slow
 
@@ -92,8 +95,28 @@ def test_a_second_reproduction_does_nothing_and_a_forced_one_gives_the_same_byte
     before = digests(reproduced)
     assert "up to date" in run(reproduced, "dvc", "repro")
     assert digests(reproduced) == before
-    run(reproduced, "dvc", "repro", "--force")
+    assert not beyond_loopback(listened(reproduced, "dvc", "repro", "--force"))
     assert digests(reproduced) == before
+
+
+def listened(folder, *command):
+    """The addresses on which a command and the processes below it listen, until it ends well."""
+    found = set()
+    with subprocess.Popen(command, cwd=folder, env=environment(folder)) as started:
+        while started.poll() is None:
+            found |= listening(started.pid)
+            time.sleep(0.2)
+    assert started.returncode == 0
+    return found
+
+
+def beyond_loopback(addresses):
+    return {address for address in addresses if not ipaddress.ip_address(address).is_loopback}
+
+
+def test_the_probe_sees_who_listens_beyond_loopback():
+    with socket.create_server(("0.0.0.0", 0)), socket.create_server(("127.0.0.1", 0)):
+        assert beyond_loopback(listening(os.getpid())) == {"0.0.0.0"}
 
 
 def stages_run(output):
@@ -111,6 +134,22 @@ def test_a_parameter_that_is_changed_back_takes_its_results_from_the_cache(repro
     params.write_bytes(original)
     assert stages_run(run(reproduced, "dvc", "repro")) == []
     assert digests(reproduced) == before
+
+
+@pytest.mark.parametrize(
+    ("file", "rerun"),
+    [
+        ("pipeline/report/train_predictor.py", ["report"]),
+        ("pipeline/web/figure_style.py", ["report"]),
+        ("docs/results.md", []),
+    ],
+    ids=["caption", "colour", "page"],
+)
+def test_no_result_depends_on_how_it_is_shown(reproduced, file, rerun):
+    before = (reproduced / file).read_bytes()
+    (reproduced / file).write_bytes(before + b"\n# edited\n")
+    assert stages_run(run(reproduced, "dvc", "repro", "--dry")) == rerun
+    (reproduced / file).write_bytes(before)
 
 
 def test_a_killed_training_goes_on_to_the_same_bytes(reproduced):
