@@ -1,16 +1,11 @@
 """Robustness groups have the conditions that their names say, and clean sets of each."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from experiments.exam.design.detection_limits import DetectionLimits
 from experiments.exam.design.parameters import family
 from experiments.exam.design.question import MULTIPLE
 from experiments.exam.design.robustness import GROUPS, VARYING, robustness
-from experiments.exam.interface import shots_of
-from experiments.exam.simulate.recordings import simulate_trial
 from tests.experiments.exam.example_trials import NOMINAL
 
 QUESTIONS = list(robustness(NOMINAL, seed=0))
@@ -35,18 +30,6 @@ def test_a_fifth_of_every_group_is_clean_and_a_third_has_independent_dynamics(na
     assert all(question.trial.simulator == question.trial.nominal for question in clean)
     independent = [question.trial.dynamics == "independent" for question in questions]
     assert np.mean(independent) == pytest.approx(1 / 3, abs=0.02)
-
-
-@pytest.mark.parametrize("name", GROUPS)
-def test_questions_can_be_posed_and_recorded(name):
-    question = next(question for question in group(name) if question.hidden)
-    question = replace(question, trial=replace(question.trial, shots=60))
-    limits = DetectionLimits.of(question.trial)
-    trial = question.posed(limits.minimum_sizes(question.hidden))
-
-    assert trial is not None
-    recordings, _ = simulate_trial(trial)
-    assert len(shots_of(recordings)) == trial.shots
 
 
 def test_only_varying_groups_have_a_cause_that_varies():
