@@ -36,7 +36,7 @@ from rallygap.models.gap.name.label_readings import without_labels
 from rallygap.pipeline.gap.measured_shots import read_shots
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
-from tests.experiments.made_up import cause, found, shots
+from tests.experiments.made_up import TIMES, cause, found, shots
 from tests.pipeline.recorded import write_recordings
 
 BASE = shipped("literature")
@@ -58,13 +58,19 @@ def test_errors_have_rising_sizes_that_the_shots_can_show_and_none_is_implausibl
     assert sizes[DISTORTION] == [0.002, 0.004, 0.008]
 
 
-def planted(identity, value, of=None):
+def planted(identity, value, of=None, seed=1):
     error = PlantedError("recordings", identity, "medium", value)
-    return plant(error, BASE, shots() if of is None else of, REFERENCES, seed=1)[1]
+    return plant(error, BASE, shots() if of is None else of, REFERENCES, seed)[1]
+
+
+def at(simulator, values):
+    for identity, value in values.items():
+        simulator = Hypothesis.from_identity(identity).at(simulator, value)
+    return simulator
 
 
 def amended(identity, value):
-    return Hypothesis.from_identity(identity).at(BASE, value)
+    return at(BASE, {identity: value})
 
 
 def test_sensor_errors_are_what_a_sensor_with_the_effect_measures():
@@ -78,6 +84,9 @@ def test_sensor_errors_are_what_a_sensor_with_the_effect_measures():
     for identity in ("spin_axis_bias.x", "spin_gain.s"):
         labels = planted(identity, 0.2).labels
         assert np.allclose(labels, measured_spins(amended(identity, 0.2), before.labels))
+    turned, turn = planted("frame_tilt.y", 0.03), Rotation.from_rotvec([0.03, 0.0, 0.0])
+    assert np.allclose(turned.positions[3], turn.apply(before.positions[3]))
+    assert np.allclose(turned.labels[:, 0], turn.apply(before.labels[:, 0]))
 
 
 def test_turned_recordings_are_those_of_a_tilted_world():
@@ -85,11 +94,8 @@ def test_turned_recordings_are_those_of_a_tilted_world():
     ball = np.array([0.1, 1.0, 0.3, 0.5, -6.0, 1.0, -100.0, 20.0, 30.0])
     turn = Rotation.from_rotvec([angle, 0.0, 0.0])
     turned = np.concatenate([turn.apply(ball[k : k + 3]) for k in (0, 3, 6)])
-    world = BASE
     error = PlantedError("recordings", "frame_tilt.y", "medium", angle)
-    for identity, value in true_values(error, REFERENCES).items():
-        world = Hypothesis.from_identity(identity).at(world, value)
-
+    world = at(BASE, true_values(error, REFERENCES))
     times = 0.01 * np.arange(60)
     level, tilted = BASE.fly(ball, times), world.fly(turned, times)
     assert level.contacts.count[0] == 1
@@ -97,31 +103,19 @@ def test_turned_recordings_are_those_of_a_tilted_world():
     assert np.abs(tilted.states[0, :, :3] - expected).max() < 2e-4
 
 
-def test_a_turn_turns_positions_and_labels_alike():
-    before, after = shots(), planted("frame_tilt.y", 0.03)
-    turn = Rotation.from_rotvec([0.03, 0.0, 0.0])
-    assert np.allclose(after.positions[3], turn.apply(before.positions[3]))
-    assert np.allclose(after.labels[:, 0], turn.apply(before.labels[:, 0]))
-    assert np.isnan(planted("frame_tilt.y", 0.03, shots(labelled=False)).labels).all()
-
-
 def test_a_distortion_is_smooth_has_its_size_and_follows_the_seed():
-    random = np.random.default_rng(0)
-    before = shots(recordings=3, each=1)
-    places = random.uniform(-20.0, 20.0, before.positions.shape)
-    here = planted(DISTORTION, 0.004, replace(before, positions=places)).positions - places
-    aside = places + np.array([0.05, 0.0, 0.0])
-    near = planted(DISTORTION, 0.004, replace(before, positions=aside)).positions - aside
+    places = np.random.default_rng(0).uniform(-20.0, 20.0, (3, len(TIMES), 3))
+    shot = shots(recordings=3, each=1)
+
+    def shift(size, aside=0.0, seed=1):
+        at = places + np.array([aside, 0.0, 0.0])
+        return planted(DISTORTION, size, replace(shot, positions=at), seed).positions - at
+
+    here = shift(0.004)
     assert np.sqrt((here**2).mean()) == pytest.approx(0.004, rel=0.25)
-    assert np.abs(near - here).max() < 0.002
-    twice = planted(DISTORTION, 0.008, replace(before, positions=places)).positions - places
-    assert np.allclose(twice, 2 * here)
-    error = PlantedError("recordings", DISTORTION, "medium", 0.004)
-    other = (
-        plant(error, BASE, replace(before, positions=places), REFERENCES, seed=2)[1].positions
-        - places
-    )
-    assert not np.allclose(other, here, atol=1e-3)
+    assert np.abs(shift(0.004, aside=0.05) - here).max() < 0.002
+    assert np.allclose(shift(0.008), 2 * here)
+    assert not np.allclose(shift(0.004, seed=2), here, atol=1e-3)
 
 
 def test_an_error_in_the_simulator_changes_the_reference_value_of_one_number_within_its_range():
@@ -138,17 +132,15 @@ def test_an_error_in_the_simulator_changes_the_reference_value_of_one_number_wit
 
 
 @pytest.mark.parametrize(
-    ("place", "identity", "value", "expected"),
+    ("identity", "value", "expected"),
     [
-        ("simulator", "drag.cd", 0.1, {"drag.cd": 0.5}),
-        ("recordings", "position_scale.s", 0.02, {"position_scale.s": 1.5 * 1.02 - 1}),
-        ("recordings", "spin_axis_bias.x", 0.2, {"spin_axis_bias.x": 0.7}),
-        ("recordings", "frame_tilt.y", 0.02, {"frame_tilt.y": 0.52, "table_tilt.y": 0.48}),
-        ("recordings", DISTORTION, 0.004, {}),
+        ("position_scale.s", 0.02, {"position_scale.s": 1.5 * 1.02 - 1}),
+        ("spin_axis_bias.x", 0.2, {"spin_axis_bias.x": 0.7}),
+        ("frame_tilt.y", 0.02, {"frame_tilt.y": 0.52, "table_tilt.y": 0.48}),
     ],
 )
-def test_true_values_add_to_those_of_the_recordings(place, identity, value, expected):
-    error = PlantedError(place, identity, "medium", value)
+def test_true_values_add_to_those_of_the_recordings(identity, value, expected):
+    error = PlantedError("recordings", identity, "medium", value)
     assert true_values(error, defaultdict(lambda: 0.5)) == pytest.approx(expected)
 
 
@@ -156,18 +148,11 @@ def test_reference_values_are_those_that_the_shots_were_made_with(tmp_path):
     write_recordings(tmp_path / "lab", shots=36)
     unlabelled = without_labels(read_shots(tmp_path / "lab", "csv").shots)
     off = {"drag.cd": 0.5, "gravity.g": 9.9, "table_bounce.restitution": 0.9, "spin_gain.s": 0.2}
-    simulator = BASE
-    for identity, value in off.items():
-        simulator = Hypothesis.from_identity(identity).at(simulator, value)
+    simulator = at(BASE, off)
     values = reference_values(unlabelled, simulator)
     assert values.keys() == set(IDENTITIES)
-    accuracies = {
-        "drag.cd": 0.01,
-        "gravity.g": 0.03,
-        "table_bounce.restitution": 0.01,
-        "wind.x": 0.2,
-    }
-    for identity, accuracy in accuracies.items():
+    accuracies = {"drag.cd": 0.01, "gravity.g": 0.03, "table_bounce.restitution": 0.01}
+    for identity, accuracy in {**accuracies, "wind.x": 0.2}.items():
         truth = Hypothesis.from_identity(identity).value(BASE)
         assert values[identity] == pytest.approx(truth, abs=accuracy)
     assert values["spin_gain.s"] == 0.2  # without labels, nothing is known about it

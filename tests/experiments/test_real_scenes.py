@@ -1,8 +1,6 @@
 """Scenes on measured sets: MuJoCo flies what a verdict predicts, and every recording once."""
 
 import json
-import tempfile
-from pathlib import Path
 
 import joblib
 import numpy as np
@@ -22,7 +20,7 @@ from tests.pipeline.recorded import write_recordings
 
 pytest.importorskip("mujoco")
 
-import experiments.stages.real_scenes
+import experiments.stages.real_scenes as stage
 from experiments.measured_scenes import HORIZONS, FlownPredictions
 from experiments.simulators import TABLE, PublishedModel, _scene
 
@@ -38,10 +36,10 @@ LITTLE_AIR = PublishedModel(
 
 
 @pytest.fixture(scope="module")
-def held():
+def held(tmp_path_factory):
     """Held-out shots with their fits."""
-    with tempfile.TemporaryDirectory() as folder:
-        shots = read_shots(write_recordings(Path(folder) / "csv", shots=12), "csv").shots
+    folder = write_recordings(tmp_path_factory.mktemp("sets") / "csv", shots=12)
+    shots = read_shots(folder, "csv").shots
     return HeldOut.of(fit_nuisance(shots, TRUTH, NOISE, DEFAULTS.fit), shots, NOISE, DEFAULTS)
 
 
@@ -67,12 +65,12 @@ def test_errors_before_and_after_amending_are_written(tmp_path, monkeypatch):
     names = {"drag.cd": 0.54, "magnus.cm": 0.069, "table_bounce.friction": 0.25}
     right = found(*(cause(name, value, nominal=1.0) for name, value in names.items()))
     monkeypatch.setattr(resumed, "diagnose", lambda shots, simulator: right)
-    monkeypatch.setattr(experiments.stages.real_scenes, "PARTS", 2)
-    monkeypatch.setattr(experiments.stages.real_scenes, "SETS", ("csv",))
-    monkeypatch.setattr(experiments.stages.real_scenes, "SCENES", ("lab/scene",))
-    monkeypatch.setattr(experiments.stages.real_scenes, "PUBLISHED", (LITTLE_AIR,))
+    monkeypatch.setattr(stage, "PARTS", 2)
+    monkeypatch.setattr(stage, "SETS", ("csv",))
+    monkeypatch.setattr(stage, "SCENES", ("lab/scene",))
+    monkeypatch.setattr(stage, "PUBLISHED", (LITTLE_AIR,))
     with joblib.parallel_config(backend="sequential"):
-        experiments.stages.real_scenes.real_scenes(StageRun("real_scenes", tmp_path, None))
+        stage.real_scenes(StageRun("real_scenes", tmp_path, None))
     content = json.loads((tmp_path / "reports" / "real_scenes" / "errors.json").read_text())
     one = content["csv"]["lab/scene"]
     assert 7 <= one["shots"][0] <= 9

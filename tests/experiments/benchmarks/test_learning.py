@@ -24,23 +24,25 @@ def test_training_stops(monkeypatch, rates, iterations, patience, trained):
     assert progress.return_rate == rates[trained - 1]
 
 
+FAST, SLOW, MISSED = (
+    Progress(64_000, 100.0, 0.96),
+    Progress(96_000, 200.0, 0.97),
+    Progress(96_000, 200.0, 0.9),
+)
+PEER, PEER_MISSED = Progress(96_000, 1500.0, 0.97), Progress(192_000, 3000.0, 0.42)
+
+
 @pytest.mark.parametrize(
-    ("ours", "peer", "ratio"),
+    ("ours", "peer", "expected"),  # seconds, ratio, whether it is a lower bound
     [
-        (Progress(64_000, 100.0, 0.96), Progress(96_000, 1500.0, 0.97), (15.0, False)),
-        (Progress(64_000, 100.0, 0.96), Progress(192_000, 3000.0, 0.42), (30.0, True)),
-        (Progress(192_000, 100.0, 0.94), Progress(96_000, 1500.0, 0.97), (None, False)),
+        ([FAST], [PEER], (100.0, 15.0, False)),
+        ([FAST, SLOW], [PEER] * 2, (150.0, 10.0, False)),
+        ([FAST], [PEER_MISSED], (100.0, 30.0, True)),
+        ([FAST, MISSED], [PEER] * 2, (150.0, None, False)),
     ],
 )
-def test_a_ratio_to_a_peer_that_missed_the_goal_is_a_lower_bound(ours, peer, ratio):
-    _, seconds = compared([ours], [peer])
-    assert (seconds.ratio, seconds.lower_bound) == ratio
-
-
-def test_seeds_are_averaged_and_all_of_ours_must_reach_the_goal():
-    fast, slow = Progress(64_000, 100.0, 0.96), Progress(96_000, 200.0, 0.97)
-    missed = Progress(96_000, 200.0, 0.9)
-    peer = [Progress(64_000, 1500.0, 0.97)] * 2
-    _, seconds = compared([fast, slow], peer)
-    assert (seconds.rallygap, seconds.ratio, seconds.lower_bound) == (150.0, 10.0, False)
-    assert compared([fast, missed], peer)[1].ratio is None
+def test_seeds_are_averaged_and_a_ratio_to_a_peer_that_missed_the_goal_is_a_lower_bound(
+    ours, peer, expected
+):
+    _, seconds = compared(ours, peer)
+    assert (seconds.rallygap, seconds.ratio, seconds.lower_bound) == expected

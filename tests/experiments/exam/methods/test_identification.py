@@ -1,12 +1,12 @@
-"""Identification, against closed forms of statistics and on recordings without noise."""
+"""Identification, against closed forms of statistics."""
 
 import numpy as np
 import pytest
 
-from experiments.exam.methods.identification import identification, jackknife, separable
+from experiments.exam.methods.identification import jackknife, separable
 from experiments.exam.methods.regression import Regression
 from rallygap.models.gap.hypotheses import Hypothesis
-from tests.experiments.exam.example_trials import NOMINAL, recorded
+from tests.experiments.exam.example_trials import NOMINAL
 
 
 def test_the_error_of_a_mean_is_the_one_of_the_textbook_and_no_smaller_than_the_noise():
@@ -29,9 +29,3 @@ def test_of_parallel_columns_the_simulators_own_is_fitted():
     classes = tuple((one,) for one in columns)
     regression = Regression(columns, np.swapaxes(rows, 1, 2) @ rows, classes)
     assert sorted(separable(regression, NOMINAL)) == [0, 2]
-
-
-def test_a_wrong_parameter_of_the_table_is_named_without_noise():
-    found = identification(recorded("table_bounce", "restitution", 0.90)[:10], NOMINAL, ())
-    assert [cause.identity for cause in found.causes] == ["table_bounce.restitution"]
-    assert found.amended.effects["table_bounce"]["restitution"] == pytest.approx(0.9, abs=1e-3)

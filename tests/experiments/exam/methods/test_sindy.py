@@ -1,11 +1,10 @@
-"""SINDy, on matrices with known sparse solutions and on recordings without noise."""
+"""SINDy, on matrices with known sparse solutions."""
 
 import numpy as np
 
 from experiments.exam.methods.regression import Regression
-from experiments.exam.methods.sindy import inclusion, sindy, sparse
+from experiments.exam.methods.sindy import inclusion, sparse
 from rallygap.models.gap.hypotheses import Hypothesis
-from tests.experiments.exam.example_trials import NOMINAL, recorded
 
 
 def rows(*coefficients, seed=0):
@@ -38,8 +37,3 @@ def test_an_ensemble_includes_what_most_of_its_models_do():
     assert included[0] == 1.0
     assert included[1] == 0.0
     assert 0.2 < included[2] < 0.8
-
-
-def test_shots_without_labels_are_used():
-    found = sindy(recorded("table_tilt", "y", 0.01, spin_labels="none"), NOMINAL, ())
-    assert found.causes[0].identity == "table_tilt.y"

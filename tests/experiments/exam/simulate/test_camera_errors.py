@@ -16,13 +16,13 @@ from experiments.exam.simulate.camera_errors import (
 )
 from experiments.exam.simulate.recordings import simulate_trial
 from rallygap.models.arena.bounce_scatter import BounceScatter
-from tests.experiments.exam.example_trials import NO_SCATTER, PERFECT, ideal, trial
+from tests.experiments.exam.example_trials import NO_SCATTER, NOMINAL, PERFECT, ideal, trial
 
 
-def label_errors(labels, shots=60, **settings):
-    """Errors of all labels in units of the spin, by shot, and the spins."""
-    errors = CameraErrors(labels=labels)
-    recordings, truth = simulate_trial(ideal(shots=shots, errors=errors, **settings))
+def label_errors(shots=60, **kinds):
+    """Errors of all labels in units of the spin, by shot."""
+    errors = CameraErrors(labels=LabelErrors(**kinds))
+    recordings, truth = simulate_trial(ideal(shots=shots, errors=errors))
     found = []
     for shot, one in enumerate(recordings):
         spins = truth.states(one.label_times)[shot, :, 6:]
@@ -30,24 +30,21 @@ def label_errors(labels, shots=60, **settings):
     return recordings, truth, found
 
 
-def test_labels_of_a_shot_or_a_session_have_one_error():
-    _, _, by_shot = label_errors(LabelErrors(shot=0.05))
-    _, _, by_session = label_errors(LabelErrors(session=0.03), shots=10)
-
+def test_labels_of_an_arc_a_shot_or_a_session_have_one_error():
+    _, _, by_shot = label_errors(shot=0.05)
     assert max(np.ptp(one, axis=0).max() for one in by_shot) < 1e-9
     assert np.std([one[0] for one in by_shot]) == pytest.approx(0.05, rel=0.2)
+
+    _, _, by_session = label_errors(shots=10, session=0.03)
     everything = np.concatenate(by_session)
     assert np.ptp(everything, axis=0).max() < 1e-9
     assert 0.001 < np.abs(everything).max() < 0.12
 
-
-def test_an_arc_repeats_one_label():
-    recordings, truth, errors = label_errors(LabelErrors(arc=0.05))
-
+    recordings, truth, by_arc = label_errors(arc=0.05)
     bounces = zip(truth.bounce_times, recordings, strict=True)
     arcs = [1 + (times < one.times[-1]).sum() for times, one in bounces]
     assert [len(np.unique(one.labels, axis=0)) for one in recordings] == arcs
-    assert np.std([one[0] for one in errors]) == pytest.approx(0.05, rel=0.2)
+    assert np.std([one[0] for one in by_arc]) == pytest.approx(0.05, rel=0.2)
 
 
 @pytest.mark.parametrize("shape", ["gaussian", "radial", "half"])
@@ -87,20 +84,15 @@ def test_heavy_tails_of_positions_and_bounces_keep_the_standard_deviation():
     assert kurtosis(errors) > 3.0
 
     noise = replace(PERFECT, position_noise=0.003)
-    seen, truth = simulate_trial(
-        trial(shots=40, cameras=noise, scatter=NO_SCATTER, errors=CameraErrors(tails=3.0))
-    )
-    paths = [truth.states(one.times)[shot, :, :3] for shot, one in enumerate(seen)]
-    off = [one.positions - path for one, path in zip(seen, paths, strict=True)]
+    errors = CameraErrors(tails=3.0)
+    asked = trial(shots=40, cameras=noise, scatter=NO_SCATTER, errors=errors)
+    seen, truth = simulate_trial(asked)
+    off = [one.positions - truth.states(one.times)[shot, :, :3] for shot, one in enumerate(seen)]
     assert kurtosis(np.concatenate(off).ravel()) > 1.5
-    before, after = (
-        np.repeat(states[:1, 0], 3000, axis=0)
-        for states in (truth.shots.contacts.before, truth.shots.contacts.after)
-    )
+    contacts = truth.shots.contacts
+    bounces = [np.repeat(of[:1, 0], 3000, axis=0) for of in (contacts.before, contacts.after)]
     normal, heavy = (
-        kurtosis(
-            scatter.apply(truth.trial.simulator, before, after, np.random.default_rng(0))[:, 5]
-        )
+        kurtosis(scatter.apply(NOMINAL, *bounces, np.random.default_rng(0))[:, 5])
         for scatter in (BounceScatter(0.01, 0.05), HeavyTailedScatter(0.01, 0.05, 3.0))
     )
     assert heavy > normal + 1.5

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from experiments.exam.simulate.laws import bounce, derivative, physics_of
-from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import BALL_MASS, BALL_RADIUS
 from tests.experiments.exam.example_trials import NOMINAL
 from tests.models.ball.balls import energy
@@ -133,10 +132,3 @@ def test_lift_saturates_and_breaks_down_only_where_it_should():
     assert lift(fast, lift_crisis_d=1.0) == pytest.approx(0.0, abs=1e-12)
     assert lift(slow, lift_saturation_kappa=5.0) == pytest.approx(1.0)
     assert lift(spun, lift_saturation_kappa=5.0) < 0.4
-
-
-def test_effects_without_an_independent_form_are_refused():
-    with pytest.raises(ValueError, match="net"):
-        physics_of(NOMINAL.amended("net", restitution=0.2))
-    with pytest.raises(ValueError, match="table_bounce"):
-        physics_of(Simulator.from_dict({"gravity": {"g": 9.81}}))

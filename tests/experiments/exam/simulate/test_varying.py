@@ -19,9 +19,8 @@ def values(truth, parameter):
 
 
 def test_a_drift_starts_at_nominal_and_has_the_mean_of_the_cause():
-    variation = Variation("drift", WIND)
-    _, truth = simulate_trial(ideal(shots=11, causes={"wind": {"x": 0.5}}, variation=variation))
-
+    drift = Variation("drift", WIND)
+    _, truth = simulate_trial(ideal(shots=11, causes={"wind": {"x": 0.5}}, variation=drift))
     assert values(truth, WIND) == pytest.approx(np.linspace(0.0, 1.0, 11))
 
 
@@ -57,19 +56,15 @@ def test_every_shot_follows_its_own_law_by_its_own_clock(dynamics):
 
 
 def test_without_a_difference_half_rooms_are_the_whole_room():
-    shots = drawn(shots=40)
-    times = np.linspace(0.0, 0.9, 60)
-    first = NOMINAL.fly(shots.states, times)
-    contact = first.contacts.time[:, 0]
-    found = HalfRoom(NOMINAL, NOMINAL).fly(shots.states, times)
-
-    until = np.nan_to_num(first.contacts.time[:, 1], nan=9.0)[:, None]
-    close = np.abs(found.states - first.states).max(axis=2)
-    assert close[times < until].max() < 1e-4
-    assert found.contacts.time[:, 0] == pytest.approx(contact, abs=1e-6, nan_ok=True)
-    assert found.contacts.after[:, 0] == pytest.approx(
-        first.contacts.after[:, 0], abs=1e-3, nan_ok=True
-    )
+    states, times = drawn(shots=40).states, np.linspace(0.0, 0.9, 60)
+    found, whole = (one.fly(states, times) for one in (HalfRoom(NOMINAL, NOMINAL), NOMINAL))
+    first = (slice(None), 0)
+    until = np.nan_to_num(whole.contacts.time[:, 1], nan=9.0)[:, None]
+    assert np.abs(found.states - whole.states)[times < until].max() < 1e-4
+    for name, accuracy in (("time", 1e-6), ("after", 1e-3)):
+        expected = getattr(whole.contacts, name)[first]
+        met = getattr(found.contacts, name)[first]
+        assert met == pytest.approx(expected, abs=accuracy, nan_ok=True)
 
 
 def test_a_cause_acts_in_its_half_only():
