@@ -55,8 +55,3 @@ def played(simulation, actions=STILL):
         rewards.append(step.reward)
         if step.done.any():
             return step, np.array(rewards)
-
-
-def racket_state(simulation):
-    """Return the rackets as they are now."""
-    return racket(simulation.arms.joints, simulation.arms.joint_speeds)

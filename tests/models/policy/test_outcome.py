@@ -45,9 +45,7 @@ def parabola(velocity):
 )
 def test_a_ball_lands_where_its_parabola_ends(velocity, fault):
     landing, height = parabola(velocity)
-
     outcome = judged(struck(velocity))
-
     assert outcome.fault[0] == fault
     assert outcome.returned[0] == (fault == "")
     np.testing.assert_allclose(outcome.landing[0], landing, atol=2e-3 if fault else 1e-9)
@@ -63,9 +61,7 @@ def test_a_ball_over_the_net_cord_is_returned():
     met = with_net(AIRLESS).fly(balls, [2.5]).contacts
     grazed = (met.surface[:, 0] == NET) & (met.surface[:, 1] == TABLE)
     over, back = grazed & (met.before[:, 1, 1] > 0), grazed & (met.before[:, 1, 1] < 0)
-
     outcome = judged(balls)
-
     assert over.any()
     assert outcome.returned[over].all()
     np.testing.assert_array_equal(outcome.landing[over], met.before[over, 1, :2])
@@ -76,9 +72,7 @@ def test_a_ball_over_the_net_cord_is_returned():
 def test_a_ball_struck_backwards_or_below_the_table_is_not_returned():
     balls = struck((0.0, -2.0, 1.0), (0.0, 5.0, 1.0))
     balls[1, 2] = -0.3
-
     outcome = judged(balls)
-
     assert not outcome.returned.any()
     np.testing.assert_allclose(outcome.landing[0], parabola((0.0, -2.0, 1.0))[0], atol=2e-3)
     assert outcome.net_height[0] < -10
@@ -90,5 +84,4 @@ def test_topspin_turns_the_upper_side_ahead(way):
     upper = np.array([0.0, 0.0, BALL_RADIUS])
     spin = np.array([12.0, -30.0, 44.0])
     state = np.concatenate([HAND, [*way, 1.0], spin])
-
     assert topspin(state[None])[0] == pytest.approx(np.cross(spin, upper) @ ahead / BALL_RADIUS)

@@ -34,9 +34,7 @@ def met(balls, rackets, live=None):
 
 def test_a_ball_is_met_at_the_face_whose_rubber_moves_with_the_turning_of_the_blade():
     rackets = still_rackets(1, velocity=(0.0, 1.0, 0.0), turning=(8.0, 0.0, 2.0))
-
     found = met(balls_at([(0.03, 0.0, 0.05)]), rackets)
-
     assert found.moments[0] == pytest.approx(STEPS / 2 - 1000 * BALL_RADIUS / 10.0)
     assert found.states[0, 1] == pytest.approx(BALL_RADIUS)
     np.testing.assert_allclose(found.normals, [[0, 1, 0]])
@@ -50,7 +48,6 @@ def test_balls_within_the_blade_are_met_once_and_only_in_live_steps():
     there_and_back[STEPS // 2 :] = there_and_back[STEPS // 2 :: -1]
     live = np.ones((STEPS, 4), dtype=bool)
     live[:, 3] = False
-
     assert met(there_and_back, still_rackets(4), live).envs.tolist() == [0, 2]
 
 
@@ -58,9 +55,7 @@ def test_rackets_swing_through_the_poses_of_their_joints():
     random = np.random.default_rng(1)
     joints = NEUTRAL + 0.02 * np.arange(6)[:, None, None] * random.uniform(-1, 1, (2, 6))
     speeds = np.broadcast_to(np.diff(joints, axis=0)[:1] / 0.004, joints.shape)
-
     poses = racket_path(joints, speeds, substeps=4)
-
     assert poses.shape == (21, 2, 12)
     for k in range(6):
         np.testing.assert_allclose(poses[4 * k, :, :3], racket(joints[k], speeds[k]).position)

@@ -5,7 +5,7 @@ import pytest
 
 from rallygap.models.policy.goals import Goals
 from rallygap.models.policy.outcome import Outcome
-from rallygap.models.policy.reward import contact_reward, effort_reward, goal_reward, miss_reward
+from rallygap.models.policy.reward import contact_reward, goal_reward
 from rallygap.models.policy.settings import RewardSettings
 
 WEIGHTS = RewardSettings()
@@ -39,24 +39,9 @@ def reward(returned=True, distance=0.0, net_height=0.3, backhand=False, weights=
         ({"topspin": 110.0}, 4.8 + 9.0 + 8.0 / np.e),
         ({"topspin": 50.0, "speed": 6.0}, 4.8 + 9.0 + 20.0),
         ({"topspin": 50.0, "speed": 6.0, "returned": False}, 3.8 + 9.0),
+        ({"weights": RewardSettings(landing=6.0)}, 4.8 + 3.0),
+        ({"weights": RewardSettings(returned=0.0)}, 4.8 - 1.0),
     ],
 )
 def test_a_stroke_is_worth(described, expected):
     assert reward(**described) == pytest.approx(expected)
-
-
-def test_a_weight_scales_its_part_alone():
-    assert reward(weights=RewardSettings(landing=6.0)) == pytest.approx(4.8 + 3.0)
-    assert reward(weights=RewardSettings(returned=0.0)) == pytest.approx(4.8 - 1.0)
-
-
-def test_a_miss_costs_twice_its_distance_and_one_at_most():
-    missed = miss_reward(np.array([0.0, 0.1, 0.5, 3.0, np.inf]), WEIGHTS)
-
-    np.testing.assert_allclose(missed, [0.0, -0.2, -1.0, -1.0, -1.0])
-
-
-def test_effort_costs():
-    actions = np.array([[0.0] * 5, [1.0, -1.0, 0.0, 0.5, 0.0]])
-
-    np.testing.assert_allclose(effort_reward(actions, WEIGHTS), [0.0, -0.002 * 2.25])

@@ -6,6 +6,7 @@ from functools import cache
 import lightning
 import numpy as np
 import torch
+from torch import nn
 
 from rallygap.models.predictors.learned import build_network
 from rallygap.models.predictors.settings import (
@@ -50,6 +51,23 @@ def changed(settings, **changes):
 def network(settings=TINY, seed=0):
     torch.manual_seed(seed)
     return build_network(settings)
+
+
+def random_weights(network):
+    """The network in double precision, every weight of it random."""
+    generator = torch.Generator().manual_seed(0)
+    for weight in network.parameters():
+        nn.init.normal_(weight, std=0.3, generator=generator)
+    return network.double()
+
+
+def random_inputs():
+    """Of a network, for three balls: histories, where seen, residuals and uniform motions."""
+    generator = torch.Generator().manual_seed(1)
+    shapes = [(3, 12, 6), (3, 12, 3), (3, 60, 6)]
+    history, *rest = (torch.randn(one, dtype=torch.float64, generator=generator) for one in shapes)
+    seen = torch.rand(3, 12, 6, generator=generator) < 0.8
+    return [torch.where(seen, history, 0.0), seen, *rest]
 
 
 @cache

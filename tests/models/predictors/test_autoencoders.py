@@ -5,23 +5,7 @@ import torch
 from torch import nn
 
 from rallygap.models.predictors.autoencoders import RecurrentAutoencoder, TrajectoryAutoencoder
-
-
-def randomised(network):
-    random = torch.Generator().manual_seed(0)
-    for weight in network.parameters():
-        nn.init.normal_(weight, std=0.3, generator=random)
-    return network.double()
-
-
-@pytest.fixture(scope="module")
-def balls():
-    """Histories of three balls, where they were seen, their residuals and uniform motions."""
-    random = torch.Generator().manual_seed(1)
-    shapes = [(3, 12, 6), (3, 12, 3), (3, 60, 6)]
-    history, *rest = (torch.randn(one, dtype=torch.float64, generator=random) for one in shapes)
-    seen = torch.rand(3, 12, 6, generator=random) < 0.8
-    return [torch.where(seen, history, 0.0), seen, *rest]
+from tests.models.predictors.small_training import random_inputs, random_weights
 
 
 def linear(weights, name, numbers):
@@ -34,8 +18,9 @@ def rows(uniform_motion, history, seen, residual):
 
 
 @pytest.mark.parametrize("uniform_motion", [False, True])
-def test_autoencoder_equals_its_explicit_equations(uniform_motion, balls):
-    tae = randomised(TrajectoryAutoencoder(20, 14, 8, 24, uniform_motion))
+def test_autoencoder_equals_its_explicit_equations(uniform_motion):
+    balls = random_inputs()
+    tae = random_weights(TrajectoryAutoencoder(20, 14, 8, 24, uniform_motion))
     weights, read = tae.state_dict(), rows(uniform_motion, *balls[:3]).reshape(3, -1)
     features = {}
     for name in ("encoder", "decoder"):
@@ -48,8 +33,9 @@ def test_autoencoder_equals_its_explicit_equations(uniform_motion, balls):
 
 
 @pytest.mark.parametrize("uniform_motion", [False, True])
-def test_recurrent_autoencoder_equals_its_explicit_equations(uniform_motion, balls):
-    gru_tae = randomised(RecurrentAutoencoder(14, 8, 20, uniform_motion))
+def test_recurrent_autoencoder_equals_its_explicit_equations(uniform_motion):
+    balls = random_inputs()
+    gru_tae = random_weights(RecurrentAutoencoder(14, 8, 20, uniform_motion))
     weights, read = gru_tae.state_dict(), rows(uniform_motion, *balls[:3])
     for unit, width in (("encoder.0.projections", 14), ("encoder.1.projections", 8)):
         gru = nn.GRU(read.shape[2], width, batch_first=True).double()

@@ -1,11 +1,13 @@
-"""The compiled ball filter agrees with filterpy's."""
+"""The compiled ball filter agrees with filterpy's; what it is unsure of spreads as balls do."""
 
 import numpy as np
 import pytest
 
-from rallygap.models.predictors.ball_filter import ANY_BALL, Expected, filtered
+from rallygap.models.ball.simulator import Simulator
+from rallygap.models.predictors.ball_filter import Expected, filtered
 from rallygap.models.predictors.filterpy_ekf import FilterpyPredictor, filtered_by_filterpy
 from rallygap.models.predictors.physics import PhysicsPredictor
+from rallygap.models.predictors.propagation import propagated
 from rallygap.models.predictors.protocol import History
 from tests.models.predictors.balls import FIRST, TRUTH, observed
 
@@ -19,6 +21,7 @@ def with_gaps_and_outliers(history, seed):
     states[struck, :3] += random.normal(size=(struck.sum(), 3)) * 0.2
     mask[random.random(states.shape[:2]) < 0.15, :3] = False
     mask[random.random(states.shape[:2]) < 0.3, 3:] = False
+    mask[0] = False
     return History(np.where(mask, states, 0.0), mask)
 
 
@@ -40,12 +43,6 @@ def test_both_forecast_the_same_where_the_sensor_errs_too():
     assert forecasts[0].states == pytest.approx(forecasts[1].states, rel=1e-6, abs=1e-5)
 
 
-def test_a_ball_without_a_measurement_is_at_rest_at_the_centre():
-    nothing = History(np.zeros((2, 12, 6)), np.zeros((2, 12, 6), dtype=bool))
-    assert not filtered(nothing, TRUTH).states.any()
-    assert not filtered_by_filterpy(nothing, TRUTH).states.any()
-
-
 def test_errors_are_as_large_as_the_covariance_says():
     """The mean of the squared Mahalanobis distances of many balls is the number of components."""
     balls = np.tile(FIRST[0], (300, 1))
@@ -58,19 +55,6 @@ def test_errors_are_as_large_as_the_covariance_says():
     assert distances.mean() == pytest.approx(6.0, rel=0.3)
 
 
-def test_balls_that_never_spin_are_forecast_better_if_that_is_known():
-    """Without labels, the path alone hardly shows a spin."""
-    first = FIRST.copy()
-    first[:, 6:] = 0.0
-    history, future = observed(np.tile(first, (20, 1)), noise=0.003, labelled=False)
-    known = Expected(noise=0.003, spin_spread=(5.0, 5.0, 5.0))
-    errors = [
-        np.linalg.norm(PhysicsPredictor(TRUTH, one).predict(history).states - future, axis=-1)
-        for one in (ANY_BALL, known)
-    ]
-    assert errors[1][:, -1].mean() < 0.8 * errors[0][:, -1].mean()
-
-
 def test_the_expected_spin_turns_with_the_course():
     """Topspin of 200 rad/s, whichever way a ball flies."""
     topspin = Expected(spin=(0.0, 200.0, 0.0), spin_spread=(1.0, 1.0, 1.0))
@@ -78,3 +62,28 @@ def test_the_expected_spin_turns_with_the_course():
     history, _ = observed(np.hstack([[[0, 0, 0.4]] * 2, courses, np.zeros((2, 3))]), labelled=False)
     spins = filtered(history, TRUTH, topspin).states[:, 6:]
     np.testing.assert_allclose(spins, [[0.0, 200.0, 0.0], [200.0, 0.0, 0.0]], atol=10.0)
+
+
+STATE = np.array([0.1, 1.2, 0.35, 0.3, -6.0, 1.0, -150.0, 20.0, 30.0])
+SPREAD = np.diag(np.repeat([0.002, 0.1, 20.0], 3) ** 2)
+AHEAD = np.array([0.1, 0.2, 0.3, 0.6])  # the last one after a bounce
+
+
+def test_covariances_are_those_of_many_balls():
+    balls = np.random.default_rng(0).multivariate_normal(STATE, SPREAD, 2000)
+    flown = TRUTH.fly(balls, AHEAD).states
+    _, found = propagated(TRUTH, STATE[None], SPREAD[None], AHEAD)
+    _, none = propagated(TRUTH, STATE[None], 0 * SPREAD[None], AHEAD)
+    for k in range(len(AHEAD)):
+        size = np.sqrt(np.diag(np.cov(flown[:, k].T)))
+        assert np.sqrt(np.diag((found - none)[0, k])) == pytest.approx(size, rel=0.1, abs=1e-3)
+
+
+def test_process_noise_grows_as_the_filters_does():
+    """In a vacuum, as the sum of the ticks' noise carried on at constant velocity."""
+    vacuum = Simulator.from_dict({"gravity": {"g": 9.81}})
+    _, found = propagated(vacuum, STATE[None], 0 * SPREAD[None], np.array([0.3]))
+    ticks, lever = 60, 0.005 * (np.arange(60) + 0.5)
+    assert found[0, 0, 3, 3] == pytest.approx(ticks * (2.0 * 0.005) ** 2)
+    assert found[0, 0, 0, 0] == pytest.approx(((2.0 * 0.005 * lever) ** 2).sum(), rel=1e-3)
+    assert found[0, 0, 6, 6] == pytest.approx(ticks)

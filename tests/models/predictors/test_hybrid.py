@@ -34,9 +34,6 @@ def test_an_untrained_hybrid_forecasts_as_its_simulator_from_what_is_measured(un
     expected = PhysicsPredictor(WRONG).predict(hidden).states
     found = LearnedPredictor(untrained).predict(hidden).states
     np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-3)
-    states = torch.as_tensor(history.states, dtype=torch.float32)
-    baseline = untrained.baseline(states, torch.as_tensor(mask)).numpy()
-    np.testing.assert_allclose(baseline, expected, rtol=1e-4, atol=1e-3)
 
 
 def test_training_removes_what_the_simulator_has_wrong(untrained):

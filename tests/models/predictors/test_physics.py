@@ -36,16 +36,6 @@ def test_true_physics_on_clean_measurements_forecasts_to_a_millimetre():
     assert np.abs(forecast.states[..., 6:] - future[..., 6:]).max() < 2.0
 
 
-def test_spin_is_estimated_from_the_path_without_a_label():
-    # 55 ms of path at 4 mm leave the spin uncertain by about 1,000 rad/s: a hint, no more.
-    topspin, backspin = FIRST[0].copy(), FIRST[0].copy()
-    topspin[6:], backspin[6:] = [-400, 0, 0], [400, 0, 0]
-    history, _ = observed(np.array([topspin, backspin]), labelled=False)
-    forecast = TRUE_PHYSICS.predict(history)
-    assert forecast.states[0, -1, 6] < 0 < forecast.states[1, -1, 6]
-    assert not forecast.spin_measured.any()
-
-
 def test_two_outliers_and_a_lost_measurement_at_the_end_are_no_new_ball():
     """A history like one of the arena that once threw the forecast off by metres."""
     history, future = observed(noise=0.003)
@@ -82,12 +72,3 @@ def test_a_ball_struck_inside_the_history_is_found_again(struck_at):
     states[:, :struck_at, :3] -= before[:, None] * np.array([0.0, 16.0, -2.0])
     struck = History(states, history.mask)
     assert (position_error(TRUE_PHYSICS.predict(struck), future, -1) < 0.15).all()
-
-
-@pytest.mark.parametrize("lost", [[3], [0, 1], [4, 5, 6, 7]])
-def test_lost_measurements_are_bridged(lost):
-    history, future = observed()
-    mask = history.mask.copy()
-    mask[:, lost] = False
-    sparse = History(np.where(mask, history.states, 0.0), mask)
-    assert position_error(TRUE_PHYSICS.predict(sparse), future, -1).max() < 5e-3

@@ -52,10 +52,3 @@ def test_forecasts_are_those_of_the_measurements():
     ]
     assert errors[0].max() < 0.01
     assert errors[1].max() > 5 * errors[0].max()
-
-
-def test_a_simulator_without_sensor_effects_sees_what_is():
-    sensor, states = Sensor(TRUTH), TRUTH.fly(FIRST, FUTURE_TIMES).states
-    assert sensor.exact
-    assert sensor.measured_states(states) is states
-    assert sensor.true_positions(states[..., :3]) == pytest.approx(states[..., :3], abs=0.0)

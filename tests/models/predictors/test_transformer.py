@@ -9,6 +9,7 @@ from torch import nn
 from torch.nn.functional import conv1d, linear
 
 from rallygap.models.predictors.transformer import Transformer, sinusoids
+from tests.models.predictors.small_training import random_inputs, random_weights
 
 HEADS, ENCODER_LAYERS, DECODER_LAYERS = 4, 3, 2
 WIDTH, EXPANDED = 32, 48
@@ -17,21 +18,8 @@ WIDTH, EXPANDED = 32, 48
 @pytest.fixture(scope="module", params=itertools.product([1, 5], [False, True]))
 def network(request):
     """A small transformer whose every weight, those of layer normalisation too, is random."""
-    random = torch.Generator().manual_seed(0)
     sizes = WIDTH, EXPANDED, HEADS, ENCODER_LAYERS, DECODER_LAYERS
-    network = Transformer(*sizes, *request.param).double()
-    for weight in network.parameters():
-        nn.init.normal_(weight, std=0.3, generator=random)
-    return network
-
-
-@pytest.fixture(scope="module")
-def balls():
-    """Histories, where seen, how far off uniform motion and where that leads: any numbers."""
-    random = torch.Generator().manual_seed(1)
-    shapes = [(3, 12, 6), (3, 12, 3), (3, 60, 6)]
-    history, *rest = (torch.randn(one, dtype=torch.float64, generator=random) for one in shapes)
-    return [history, torch.ones_like(history, dtype=torch.bool), *rest]
+    return random_weights(Transformer(*sizes, *request.param))
 
 
 def places(length, width):
@@ -87,7 +75,8 @@ def restated(network, history, _seen, residual, expected):
     return future[:, 12:].reshape(-1, 60, 9)
 
 
-def test_transformer_equals_torchs_own_layers_in_double_precision(network, balls, monkeypatch):
+def test_transformer_equals_torchs_own_layers_in_double_precision(network, monkeypatch):
+    balls = random_inputs()
     for embedding in (network.encoder_embedding, network.decoder_embedding):
         monkeypatch.setitem(embedding._buffers, "positions", places(*embedding.positions.shape))
     with torch.no_grad():

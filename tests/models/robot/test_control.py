@@ -36,15 +36,6 @@ def test_slow_motions_are_the_best_compromise_of_task_effort_and_home():
         np.testing.assert_allclose(found, np.linalg.lstsq(stacked, aims)[0], atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("turning", "leads"), [([[1.0, 0.0]], [0, 0, 1]), ([[0, 1.0]], [-1, 0, 0])]
-)
-def test_turning_opens_the_face_or_turns_it_aside(turning, leads):
-    speeds = joint_speeds([NEUTRAL], np.zeros((1, 3)), turning)
-    now = racket([NEUTRAL], speeds)
-    assert np.cross(now.turning, now.normal)[0] @ leads > 0.8
-
-
 def test_no_joint_is_asked_for_more_than_its_speed():
     fast = joint_speeds(POSES, 10 * VELOCITIES, 10 * TURNS)
     assert (np.abs(fast) <= SPEED * (1 + 1e-12)).all()
@@ -56,17 +47,6 @@ def test_at_an_end_no_joint_is_driven_beyond(end):
     poses = np.broadcast_to(end, POSES.shape)
     after = poses + COMMAND_STEP * joint_speeds(poses, VELOCITIES, TURNS)
     assert ((after >= LOWER - 1e-12) & (after <= UPPER + 1e-12)).all()
-
-
-def test_left_alone_the_arm_goes_home_while_the_racket_stays():
-    joints, still = POSES.copy(), np.zeros((200, 3))
-    before = racket(joints, joints * 0)
-    for _ in range(10):
-        joints += COMMAND_STEP * joint_speeds(joints, still, still[:, :2])
-    moved = np.linalg.norm(racket(joints, joints * 0).position - before.position, axis=1)
-    closer = np.linalg.norm(joints - NEUTRAL, axis=1) < np.linalg.norm(POSES - NEUTRAL, axis=1)
-    assert closer.all()
-    assert np.median(moved) < 0.01
 
 
 def test_shapes_that_do_not_fit_are_refused():

@@ -5,7 +5,7 @@ import pybullet
 import pytest
 
 from rallygap.models.robot.arms import add_arm, open_world
-from rallygap.models.robot.constants import BLADE, JOINTS, LOWER, NEUTRAL, SPEED, UPPER, Solid
+from rallygap.models.robot.constants import BLADE, JOINTS, LOWER, SPEED, UPPER, Solid
 from rallygap.models.robot.kinematics import racket
 from rallygap.models.robot.urdf import inertia
 
@@ -41,12 +41,6 @@ def test_the_racket_is_where_bullet_has_it_and_moves_alike(arm):
         np.testing.assert_allclose(ours.normal[row], normal, atol=1e-6)
         np.testing.assert_allclose(ours.velocity[row], velocity, atol=1e-5)
         np.testing.assert_allclose(ours.turning[row], turning, atol=1e-5)
-
-
-def test_in_neutral_the_racket_waits_behind_the_table_and_faces_it():
-    ours = racket([NEUTRAL], [NEUTRAL])
-    np.testing.assert_allclose(ours.position[0], [0.0, -1.64, 0.30], atol=5e-3)
-    np.testing.assert_allclose(ours.normal[0], [0.0, np.cos(0.2), np.sin(0.2)], atol=1e-12)
 
 
 def grid(solid, n=60):
