@@ -19,8 +19,7 @@ from rallygap.pipeline.paper.assessments import (
 )
 from rallygap.pipeline.paper.comparison import compare, exhibits
 from rallygap.pipeline.paper.run_reports import Reports
-from rallygap.pipeline.paper.sources import READERS
-from rallygap.pipeline.paper.values import Value, printed_transfer, printed_values
+from rallygap.pipeline.paper.values import printed_transfer, printed_values
 from rallygap.pipeline.runtime.errors import InputError
 
 VALUES = {value.id: value for value in printed_values()}
@@ -79,24 +78,26 @@ def gain(value, half, **keys):
     return {"protocol": "every_tick", **keys, "difference": value, **ends}
 
 
+SWAPPED = {"predictor": "physics_c", "other": "transformer", "mean": 20.0, "lower_share": 0.0}
+
+
 @pytest.mark.parametrize(
-    ("changes", "word"),
-    [({}, HOLDS), ({"half": 25.0}, OPEN), ({"mean": 20.0}, FAILS), ({"lower_share": 0.9}, OPEN)],
+    ("changes", "word", "percent"),
+    [
+        ({}, HOLDS, (-50.0, -62.5, -37.5)),
+        (SWAPPED, HOLDS, (-50.0, -62.5, -37.5)),
+        ({"half": 25.0}, OPEN, (-50.0, -112.5, 12.5)),
+        ({"mean": 20.0}, FAILS, (50.0, 37.5, 62.5)),
+        ({"lower_share": 0.9}, OPEN, (-50.0, -62.5, -37.5)),
+    ],
 )
-def test_a_forecast_error_is_smaller_only_if_it_is_at_every_horizon(tmp_path, changes, word):
+def test_a_forecast_error_is_smaller_only_if_it_is_at_every_horizon(
+    tmp_path, changes, word, percent
+):
     found = compare(write_errors(tmp_path, **changes))
     assert found["accuracy.position.physics_c"].assessment == word
+    assert found["accuracy.position.physics_c"].interval == pytest.approx(percent)
     assert found["accuracy.spin.gru_tae"].assessment == NOT_MEASURED
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [{}, {"predictor": "physics_c", "other": "transformer", "mean": 20.0, "lower_share": 0.0}],
-)
-def test_a_pair_of_predictors_is_found_in_either_order_and_shown_in_percent(tmp_path, changes):
-    found = compare(write_errors(tmp_path, **changes))["accuracy.position.physics_c"]
-    assert found.assessment == HOLDS
-    assert found.interval == pytest.approx((-50.0, -62.5, -37.5))
 
 
 def test_the_spread_is_compared_with_the_papers_predictors_alone(tmp_path):
@@ -168,19 +169,9 @@ def test_the_largest_gain_is_judged_between_independent_sets(tmp_path, uni, half
     more = found["most.stroke_pro.115-125.returns"]
     assert more.assessment == word and more.value == pytest.approx(100 * (uni - 0.2))
     assert found["most.receive.115-125.returns"].assessment == NOT_MEASURED
-
-
-def test_a_number_without_an_interval_has_its_unit(tmp_path):
-    value = Value("", "", "", ours="a.csv: error_m", argument="set=tt3d", scale=1000)
-    run = write(tmp_path, "a.csv", [{"set": "tt3d", "error_m": 0.031}])
-    assert READERS["table"](value, run).value == pytest.approx(31.0)
-
-
-def test_a_gain_over_the_first_window_is_paired_by_shot(tmp_path):
-    rows = [gain(0.12, 0.03, set="stroke_pro")]
     found = compare(write(tmp_path, "sim2real/difference_first_window.csv", rows))
-    more = found["gain_first_window.stroke_pro.115-125.returns"]
-    assert more.interval == pytest.approx((12, 9, 15))
+    own = found["gain_first_window.stroke_pro.115-125.returns"].interval
+    assert own == pytest.approx((20, 100 * (0.2 - half), 100 * (0.2 + half)))
 
 
 ASKED = {"train_policy": {"groups": {"sim2sim": {"goals": {"speed": [4.5, 6.5]}}}}}

@@ -11,13 +11,9 @@ from rallygap.pipeline.report.paper import mark, paper_section
 VALUE = Value("group", "id", "what", rule="more", value=50.0, ours="file")
 
 
-def group(axis):
-    return Group("id", "title", "about", axis)
-
-
 def test_values_are_drawn_inside_their_axis():
     found = Finding(NOT_DIFFERENT, 0.0, Interval(0.0, -40.0, 150.0))
-    drawn = mark(group((-100.0, 100.0)), VALUE, found)
+    drawn = mark(Group("id", "title", axis=(-100.0, 100.0)), VALUE, found)
     assert (drawn.zero, drawn.paper, drawn.ours) == (50.0, 75.0, 50.0)
     assert (drawn.low, drawn.high) == (30.0, 100.0)
 
@@ -27,19 +23,12 @@ def test_values_are_drawn_inside_their_axis():
     [(50.0, 50.0), (5.0, 25.0), (5e-9, 0.0), (5e5, 100.0), ("half a cosine", None)],
 )
 def test_sizes_are_drawn_by_their_ratio(ours, place):
-    assert mark(group(None), VALUE, Finding(NOT_DIFFERENT, ours)).ours == place
+    assert mark(Group("id", "title"), VALUE, Finding(NOT_DIFFERENT, ours)).ours == place
 
 
-def test_every_value_is_shown_with_the_stage_that_it_is_from(tmp_path):
-    shown = paper_section(Reports(tmp_path, {}), {"sim2real"})
-    assert [len(one["rows"]) for one in shown["groups"]] == [len(one.values) for one in groups()]
-    stages = {stage for group in shown["groups"] for stage in group["stages"]}
-    assert {"sim2real", "sim2sim"} <= stages
-    assert not any(anchor for one in shown["exhibits"] for _, anchor in one["ours"])
-
-
-def test_files_on_the_page_are_linked(tmp_path):
+def test_every_value_is_shown_and_files_on_the_page_are_linked(tmp_path):
     file = "shot_quality/quality.csv"
-    shown = paper_section(Reports(tmp_path, {}), {file})["exhibits"]
-    linked = {part: anchor for one in shown for part, anchor in one["ours"] if anchor}
-    assert linked == {file: file}
+    shown = paper_section(Reports(tmp_path, {}), {file, "sim2real"})
+    assert [len(one["rows"]) for one in shown["groups"]] == [len(one.values) for one in groups()]
+    parts = {part: anchor for one in shown["exhibits"] for part, anchor in one["ours"] if anchor}
+    assert parts == {file: file}

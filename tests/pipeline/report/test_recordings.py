@@ -18,14 +18,6 @@ from rallygap.pipeline.report.segment import LARGEST_ERROR, contact_scores_figur
 from rallygap.pipeline.sources.launches import QUANTITIES, measured_launches, simulated_launches
 
 STATE_COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
-CONTACTS = pd.DataFrame(
-    {
-        "kind": ["table", "table", "racket", "racket"],
-        "speed": [1.0, 2.0, 8.0, 20.0],
-        "detected": [True, False, True, True],
-        "error": [0.001, np.nan, -0.002, 0.0],
-    }
-)
 
 
 def test_a_source_is_drawn_from_the_side_and_from_above():
@@ -46,18 +38,13 @@ def test_a_source_is_drawn_from_the_side_and_from_above():
 )
 def test_of_many_rows_an_even_choice_of_runs_is_drawn(launches, most, run):
     chosen = drawn_rows(10 * most, launches=launches).reshape(-1, run)
-
     assert chosen.size == most
     assert (np.diff(chosen) == 1).all()
     assert (chosen[0, 0], chosen[-1, -1]) == (0, 10 * most - 1)
     assert np.ptp(np.diff(chosen[:, 0])) <= 1
-
-
-@pytest.mark.parametrize("rows", [1, DRAWN_BALLS, DRAWN_BALLS + 1])
-def test_rows_are_drawn_once_each(rows):
-    chosen = drawn_rows(rows, launches=False)
-
-    assert len(set(chosen)) == len(chosen) == min(rows, DRAWN_BALLS)
+    for rows in (1, most, most + 1):
+        few = drawn_rows(rows, launches=launches)
+        assert len(set(few)) == len(few) == min(rows, most)
 
 
 def launches(**values):
@@ -86,8 +73,9 @@ def test_a_stroke_after_the_toss_is_a_serve_and_the_others_are_the_rally_s():
     contacts = contacts.assign(t=range(len(rows)), **dict.fromkeys(STATE_COLUMNS, 1.0))
 
     found = simulated_launches(contacts)[["group", "stroke"]].to_numpy().tolist()
-
     assert found == [["cannon", "cannon"], ["club", "serve"], ["club", "rally"]]
+    both = pd.concat([launches(), launches().assign(launch_id="robot/serves/1")])
+    assert measured_launches(both)["stroke"].tolist() == ["rally", "serve"]
 
 
 @pytest.mark.parametrize(
@@ -106,12 +94,6 @@ def test_a_quantity_is_what_its_name_says(state, quantity, value):
     assert measured_launches(launches(**state))[quantity].item() == pytest.approx(value)
 
 
-def test_measured_serves_are_separated_from_rallies():
-    both = pd.concat([launches(), launches().assign(launch_id="robot/serves/1")])
-
-    assert measured_launches(both)["stroke"].tolist() == ["rally", "serve"]
-
-
 def test_quantiles_and_distance_are_those_of_the_distributions():
     random = np.random.default_rng(0)
     drawn = made_up("rally", random, measured=0.0, amateur=0.0, club=0.0, pro=10.0)
@@ -127,28 +109,25 @@ def test_quantiles_and_distance_are_those_of_the_distributions():
     assert np.isnan(speed.loc["measured", "distance to measured"])
 
 
-def test_strokes_are_compared_with_strokes_of_their_kind_only():
+def test_strokes_are_compared_with_those_of_their_kind_and_a_kind_without_any_has_no_panels():
     random = np.random.default_rng(0)
-    drawn = pd.concat([made_up("serve", random, club=0.0), made_up("rally", random, measured=0.0)])
-
-    assert launch_distributions(drawn)["distance to measured"].isna().all()
-
-
-def test_a_kind_of_stroke_that_nobody_played_has_no_panels():
-    figure = launches_figure(made_up("serve", np.random.default_rng(0), club=0.0))
-
-    assert figure.axes[0].get_title(loc="left") == "serves"
-    assert len(figure.axes) == len(QUANTITIES)
+    serves, rallies = made_up("serve", random, club=0.0), made_up("rally", random, measured=0.0)
+    distances = launch_distributions(pd.concat([serves, rallies]))["distance to measured"]
+    assert distances.isna().all()
+    assert len(launches_figure(serves).axes) == len(QUANTITIES)
 
 
 def test_contacts_are_drawn_at_their_speed_in_milliseconds_and_missed_ones_are_crosses():
-    lines = contact_scores_figure(CONTACTS).figure.axes[1].lines
+    columns = {
+        "kind": ["table", "table", "racket", "racket"],
+        "speed": [1.0, 2.0, 8.0, 20.0],
+        "detected": [True, False, True, True],
+        "error": [0.001, np.nan, -0.002, 0.0],
+    }
+    contacts = pd.DataFrame(columns)
+    lines = contact_scores_figure(contacts).figure.axes[1].lines
     drawn = {line.get_label(): line.get_xydata() for line in lines}
     np.testing.assert_allclose(drawn["racket: speed after it"], [[8, -2], [20, 0]])
     crosses = [line.get_xydata() for line in lines if line.get_marker() == "x"]
     np.testing.assert_allclose(np.concatenate(crosses), [[2.0, -LARGEST_ERROR]])
-
-
-def test_without_contacts_the_figure_is_empty():
-    figure = contact_scores_figure(CONTACTS.iloc[:0]).figure
-    assert [len(axes.lines) for axes in figure.axes] == [0, 0]
+    assert not contact_scores_figure(contacts.iloc[:0]).figure.axes[1].lines

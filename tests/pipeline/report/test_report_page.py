@@ -68,44 +68,31 @@ def test_the_page_opens_with_the_results_that_the_reports_have(page):
 def test_the_page_of_the_last_run_is_light_enough_for_a_phone():
     page = PAGE.read_text(encoding="utf-8")
     views = re.findall(r'<script type="application/json"[^>]*>(.*?)</script>', page, re.DOTALL)
-
-    assert views
-    assert sum(len(view.encode()) for view in views) < LIGHT
+    assert views and sum(len(view.encode()) for view in views) < LIGHT
     assert len(page.encode()) < WHOLE
 
 
 def test_names_from_the_data_cannot_become_markup(page, tmp_path):
     items = make_reports(tmp_path, title=HOSTILE, shot=HOSTILE)
-
     hostile = Tags(made_up_page(tmp_path, items))
-
     assert [tag for tag, _ in hostile.found] == [tag for tag, _ in Tags(page).found]
     assert all("onerror" not in attributes for _, attributes in hostile.found)
 
 
-def test_page_refers_to_nothing_outside_itself(page):
-    tags = Tags(page).found
-
-    links = [value for _, a in tags for key, value in a.items() if key in ("src", "href")]
-    assert links
-    assert all(link.startswith(("#", "data:")) for link in links)
-
-
 def test_headings_descend_one_level_at_a_time(page):
-    tags = Tags(page).found
-    levels = [int(tag[1]) for tag, _ in tags if re.fullmatch("h[1-6]", tag)]
-
+    levels = [int(tag[1]) for tag, _ in Tags(page).found if re.fullmatch("h[1-6]", tag)]
     assert levels[0] == 1 and levels.count(1) == 1
     assert all(after - before <= 1 for before, after in pairwise(levels))
 
 
-def test_contents_link_to_every_item(page):
+def test_contents_link_to_every_item_and_nothing_outside_the_page(page):
     tags = Tags(page)
     ids = [attributes["id"] for _, attributes in tags.found if "id" in attributes]
-
     assert len(ids) == len(set(ids))
     assert all(link["href"][1:] in ids for link in tags.named("a"))
     assert len(tags.named("a")) == 2 + 1 + len(groups()) + 2 + 5 + 5
+    links = [value for _, a in tags.found for key, value in a.items() if key in ("src", "href")]
+    assert all(link.startswith(("#", "data:")) for link in links)
 
 
 @pytest.mark.parametrize("name", ["segment/contacts.csv", "evaluate_predictor/figures/spindoe.png"])
@@ -113,7 +100,6 @@ def test_missing_file_is_named(made_up, name):
     root, items = made_up
     file = root / "reports" / name
     elsewhere = file.rename(root / "elsewhere")
-
     with pytest.raises(InputError, match=f"{name}: cannot be read; run its stage again"):
         made_up_page(root, items)
     elsewhere.rename(file)

@@ -26,7 +26,7 @@ EXAM = {
 
 @pytest.fixture
 def run(tmp_path):
-    """Reports with a figure and numbers for every result but the learning curves."""
+    """Reports with numbers for every result but the learning curves."""
     tables = {
         "swap_study/readings_all.csv": POLICIES,
         "exam/rates.csv": [{"rate": name, "rallygap": count} for name, count in EXAM.items()],
@@ -64,7 +64,3 @@ def test_results_that_lack_a_number_are_left_out(run):
     write_csv(run.folder / "swap_study/readings_all.csv", pd.DataFrame(POLICIES[:2]))
     write_csv(run.folder / "exam/rates.csv", pd.DataFrame([{"rate": "pairs", "rallygap": 3}]))
     assert [one["key"] for one in results_section(run, figures)] == ["gap", "real"]
-
-
-def test_without_reports_there_is_no_result(tmp_path):
-    assert list(results_section(Reports(tmp_path, {}), set())) == []

@@ -10,17 +10,11 @@ from rallygap.pipeline.report.scenes import arm_lines
 POSES = np.random.default_rng(0).uniform(LOWER, UPPER, size=(20, len(JOINTS)))
 
 
-def test_the_racket_is_where_the_kinematics_have_it():
+def test_the_racket_is_where_the_kinematics_have_it_and_links_keep_their_lengths():
     points, normals = arm_lines(POSES)
-
     expected = racket(POSES, np.zeros_like(POSES))
     assert points[:, -1] == pytest.approx(expected.position, abs=1e-12)
     assert normals == pytest.approx(expected.normal, abs=1e-12)
-
-
-def test_links_keep_their_lengths():
-    points, _ = arm_lines(POSES)
-
     lengths = np.linalg.norm(np.diff(points, axis=1), axis=2)
-    expected = [UPPER_ARM, FOREARM, np.linalg.norm(BLADE)]
-    assert lengths == pytest.approx(np.tile(expected, (len(POSES), 1)))
+    links = [UPPER_ARM, FOREARM, np.linalg.norm(BLADE)]
+    assert lengths == pytest.approx(np.tile(links, (len(POSES), 1)))
