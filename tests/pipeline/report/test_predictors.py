@@ -38,19 +38,13 @@ def test_lines_are_the_numbers_of_their_row_and_the_band_is_the_interval():
     assert (heights.min(), heights.max()) == pytest.approx((last["ci_low"], last["ci_high"]))
 
 
-def test_what_a_set_has_not_gets_no_panel():
-    figure = forecast_error_figure(forecast_errors(["position", "velocity"], ["all", "without"]))
-
-    assert len(figure.axes) == 6
-    assert all(axes.lines for axes in figure.axes)
-
-
-def test_a_quantity_never_measured_in_some_windows_leaves_their_panel_empty():
-    frame = forecast_errors().query("quantity != 'spin' or bounce != 'with'")
-
-    axes = forecast_error_figure(frame).axes[8]  # spin, with a bounce
-
-    assert [text.get_text() for text in axes.texts] == ["n = 0"]
+def test_what_a_set_has_not_gets_no_panel_and_what_some_windows_have_not_an_empty_one():
+    frame = forecast_errors()
+    some = frame.query("quantity != 'spin' and bounce != 'with'")
+    assert [len(axes.lines) > 0 for axes in forecast_error_figure(some).axes] == [True] * 6
+    fewer = frame.query("quantity != 'spin' or bounce != 'with'")
+    panel = forecast_error_figure(fewer).axes[8]  # spin, with a bounce
+    assert [text.get_text() for text in panel.texts] == ["n = 0"]
 
 
 @pytest.mark.parametrize("drawn", [["transformer", "physics_c"], ["tae", "gru_tae"]])
