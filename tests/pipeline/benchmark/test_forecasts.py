@@ -74,7 +74,7 @@ def test_a_decompression_bomb_is_refused_before_reading(tmp_path, sets, forecast
         read_forecasts(path, sets)
 
 
-def test_narrow_types_and_any_order_of_columns_are_accepted(tmp_path, sets, forecasts):
+def test_narrow_types_any_order_of_columns_and_a_single_set_are_accepted(tmp_path, sets, forecasts):
     path = tmp_path / "f.parquet"
     narrow = forecasts.astype({"px": "float32", "horizon_ms": "int16", "wx": "int64"})
     narrow[sorted(narrow)].to_parquet(path, index=False)
@@ -82,6 +82,9 @@ def test_narrow_types_and_any_order_of_columns_are_accepted(tmp_path, sets, fore
     assert {name: len(one.states) for name, one in read.items()} == {
         one.name: len(one.windows) for one in sets
     }
+    of_one_set = forecasts_of(ZeroPredictor(), window_table(sets[:1]))
+    of_one_set.to_parquet(path, index=False)
+    assert list(read_forecasts(path, sets)) == [sets[0].name]
 
 
 @pytest.mark.parametrize("made", ["missing", "text"])

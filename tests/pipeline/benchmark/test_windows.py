@@ -4,14 +4,7 @@ import numpy as np
 import pandas as pd
 
 from rallygap.models.predictors.protocol import HISTORY
-from rallygap.pipeline.benchmark.windows import (
-    FORECASTS,
-    WINDOWS,
-    export_windows,
-    type_of,
-    window_ids,
-    window_table,
-)
+from rallygap.pipeline.benchmark.windows import window_ids, window_table
 from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
 from tests.pipeline.measured_shots import params, write_inputs
@@ -66,16 +59,3 @@ def test_the_id_depends_on_the_future(tmp_path, root):
     assert same.any()
     assert not same.all()
     np.testing.assert_array_equal(changed.windows.history.states, plain.windows.history.states)
-
-
-def test_the_readme_describes_every_column_and_set(tmp_path, sets):
-    export_windows(sets, tmp_path / "out")
-    readme = (tmp_path / "out" / "README.md").read_text()
-    for contract in (WINDOWS, FORECASTS):
-        for name, column in contract.columns.items():
-            assert f"| {name} | {type_of(column)} | {column.description} |" in readme
-    for one in sets:
-        assert f"| {one.name} | {len(one.windows)} |" in readme
-        assert one.source.licence in readme
-    table = pd.read_parquet(tmp_path / "out" / "windows.parquet")
-    assert list(table) == list(WINDOWS.columns)

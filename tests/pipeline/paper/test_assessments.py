@@ -11,22 +11,12 @@ from rallygap.pipeline.paper.assessments import (
     OPEN,
     SAME,
     Interval,
-    claim,
     combined,
     difference,
     rate,
     setting,
     within,
 )
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "word"), [(1, 3, HOLDS), (-1, 3, OPEN), (0, 3, OPEN), (-3, -1, FAILS)]
-)
-def test_a_claim_holds_where_the_whole_interval_is_on_its_side(low, high, word):
-    middle = (low + high) / 2
-    assert claim(Interval(middle, low, high)) == word
-    assert claim(Interval(-middle, -high, -low), grows=False) == word
 
 
 @pytest.mark.parametrize(

@@ -40,29 +40,20 @@ def write_errors(root, spread=None, **changes):
     """Write mean errors of 20 (transformer) and 40 (others), and their differences."""
     spread = {"transformer": 10.0} | (spread or {})
     keys = itertools.product(["transformer", *RIVALS], QUANTITIES, HORIZONS_MS)
-    errors = [
-        {
-            "set": "arena", "against": "measured", "predictor": name, "quantity": quantity,
-            "bounce": "all", "horizon_ms": horizon, "mean": 20 if name == "transformer" else 40,
-            "std": spread.get(name, 30.0),
-        }
-        for name, quantity, horizon in keys
-    ]  # fmt: skip
+    errors = pd.DataFrame(keys, columns=["predictor", "quantity", "horizon_ms"])
+    errors = errors.assign(set="arena", against="measured", bounce="all", mean=40)
+    errors.loc[errors["predictor"] == "transformer", "mean"] = 20
+    errors["std"] = errors["predictor"].map(spread).fillna(30.0)
     write(root, "evaluate_predictor/forecast_error.csv", errors)
     file = "evaluate_predictor/forecast_error_difference.csv"
     return write(root, file, differences(**changes))
 
 
 def differences(predictor="transformer", other="physics_c", mean=-20.0, half=5.0, lower_share=1.0):
-    return [
-        {
-            "set": "arena", "predictor": predictor, "other": other, "quantity": quantity,
-            "horizon_ms": horizon, "mean": mean, "ci_low": mean - half, "ci_high": mean + half,
-            "lower_share": lower_share,
-        }
-        for quantity in QUANTITIES
-        for horizon in HORIZONS_MS
-    ]  # fmt: skip
+    keys = itertools.product(QUANTITIES, HORIZONS_MS)
+    rows = pd.DataFrame(keys, columns=["quantity", "horizon_ms"])
+    rows = rows.assign(set="arena", predictor=predictor, other=other, lower_share=lower_share)
+    return rows.assign(mean=mean, ci_low=mean - half, ci_high=mean + half)
 
 
 def with_ends(names, value, half):
@@ -109,11 +100,11 @@ def test_the_spread_is_compared_with_the_papers_predictors_alone(tmp_path):
 
 
 def test_figure_3_is_judged_without_the_contenders_that_the_paper_lacks(tmp_path):
-    smaller = [row for rival in RIVALS[:4] for row in differences(other=rival)]
-    larger = [row for rival in RIVALS[4:] for row in differences(other=rival, mean=20.0)]
+    means = dict.fromkeys(RIVALS[:4], -20.0) | dict.fromkeys(RIVALS[4:], 20.0)
     write_errors(tmp_path)
     file = "evaluate_predictor/forecast_error_difference.csv"
-    run = write(tmp_path, file, smaller + larger)
+    rows = pd.concat([differences(other=rival, mean=mean) for rival, mean in means.items()])
+    run = write(tmp_path, file, rows)
     assert next(one for one in exhibits() if one.name == "Figure 3").assessment(run) == HOLDS
     found = compare(run)
     assert {found[f"accuracy.{name}.oracle"].assessment for name in QUANTITIES} == {FAILS}

@@ -51,16 +51,11 @@ def titles(figure):
 
 def test_retraining_has_a_bar_for_every_policy_and_predictor():
     pairs = [("original", "physics"), ("original", "oracle"), ("retrained", "amended")]
-    keys = [("arena", horizons, *pair) for horizons in HORIZONS for pair in pairs]
+    keys = [("arena", horizons, *pair) for horizons, pair in product(HORIZONS, pairs)]
     table = made_up(keys, "set horizons_ms policy predictor")
     figure = retraining_figure(table)
     widths = [bar.get_width() for axes in figure.axes for bar in axes.patches]
     np.testing.assert_allclose(widths, 100 * table["return_rate"])
-    assert [text.get_text() for text in figure.axes[0].get_yticklabels()] == [
-        "original policy, own simulator",
-        "original policy, oracle",
-        "retrained policy, own simulator amended",
-    ]
     assert titles(figure)[1] == "arena, horizons 170–180 ms, 20 shots, 2 trainings"
 
 
@@ -179,16 +174,13 @@ def test_every_goal_has_a_panel_with_its_returns_and_their_line_if_there_are_som
     assert set(titles(without)) == {"too few returns for a slope"}
 
 
-def test_every_rate_of_policies_with_spreads_is_drawn():
+def test_every_rate_of_policies_with_spreads_and_of_both_readings_is_drawn():
     keys = product(("games", "launches"), ("physics", "oracle", "transformer"), POLICIES)
     table = made_up(keys, "set predictor policy")
     table = table.query("set != 'launches' or predictor != 'oracle'")
     for axes, predictors in zip(spread_policies_figure(table).axes, (3, 2), strict=True):
         drawn = [len(marks.lines[0].get_xdata()) for marks in axes.containers]
         assert drawn == [predictors] * len(POLICIES)
-
-
-def test_every_rate_is_drawn_under_both_readings():
     predictors = ("physics_c", "amended", "oracle", "hybrid", "tae")
     keys = product(OBSERVATIONS, HORIZONS, predictors, ("first_window", "every_tick"))
     figure = readings_figure(made_up(keys, "observation horizons_ms predictor protocol"))

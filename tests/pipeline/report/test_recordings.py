@@ -6,10 +6,6 @@ import pytest
 
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
 from rallygap.pipeline.report.ingest import (
-    DRAWN_BALLS,
-    DRAWN_LAUNCHES,
-    DRAWN_RUN,
-    drawn_rows,
     launch_distributions,
     launches_figure,
     measured_balls_figure,
@@ -22,29 +18,9 @@ STATE_COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
 
 def test_a_source_is_drawn_from_the_side_and_from_above():
     balls = pd.DataFrame([[0.1, 1.0, 0.3], [0.2, -1.0, 0.4]], columns=POSITION_COLUMNS)
-    panels = measured_balls_figure({"lab": balls}).axes
-    drawn = [
-        line.get_xydata().tolist()
-        for axes in panels
-        for line in axes.lines
-        if line.get_marker() == "."
-    ]
-    assert drawn == [[[1.0, 0.3], [-1.0, 0.4]], [[1.0, 0.1], [-1.0, 0.2]]]
-    assert panels[0].get_title(loc="left") == "lab, from the side"
-
-
-@pytest.mark.parametrize(
-    ("launches", "most", "run"), [(True, DRAWN_LAUNCHES, 1), (False, DRAWN_BALLS, DRAWN_RUN)]
-)
-def test_of_many_rows_an_even_choice_of_runs_is_drawn(launches, most, run):
-    chosen = drawn_rows(10 * most, launches=launches).reshape(-1, run)
-    assert chosen.size == most
-    assert (np.diff(chosen) == 1).all()
-    assert (chosen[0, 0], chosen[-1, -1]) == (0, 10 * most - 1)
-    assert np.ptp(np.diff(chosen[:, 0])) <= 1
-    for rows in (1, most, most + 1):
-        few = drawn_rows(rows, launches=launches)
-        assert len(set(few)) == len(few) == min(rows, most)
+    side, above = (axes.lines[1].get_xydata() for axes in measured_balls_figure({"": balls}).axes)
+    assert side.tolist() == [[1.0, 0.3], [-1.0, 0.4]]
+    assert above.tolist() == [[1.0, 0.1], [-1.0, 0.2]]
 
 
 def launches(**values):
@@ -55,23 +31,16 @@ def launches(**values):
 
 def made_up(stroke, random, **shifts):
     """Launches of some groups, their quantities normally distributed about a shift."""
-    drawn = [
-        pd.DataFrame(random.normal(shift, 1.0, (400, 5)), columns=list(QUANTITIES))
-        for shift in shifts.values()
-    ]
-    groups = np.repeat(list(shifts), 400)
-    return pd.concat(drawn, ignore_index=True).assign(group=groups, stroke=stroke)
+    means = np.repeat(list(shifts.values()), 400)[:, None]
+    table = pd.DataFrame(random.normal(means, 1.0, (len(means), 5)), columns=list(QUANTITIES))
+    return table.assign(group=np.repeat(list(shifts), 400), stroke=stroke)
 
 
 def test_a_stroke_after_the_toss_is_a_serve_and_the_others_are_the_rally_s():
-    kinds = {
-        "arena/cannon/0": ["launch", "table"],
-        "arena/club/0": ["launch", "racket", "table", "racket", "floor"],
-    }
-    rows = [(recording, kind) for recording, members in kinds.items() for kind in members]
-    contacts = pd.DataFrame(rows, columns=["recording_id", "kind"])
-    contacts = contacts.assign(t=range(len(rows)), **dict.fromkeys(STATE_COLUMNS, 1.0))
-
+    kinds = ["launch", "table", "launch", "racket", "table", "racket", "floor"]
+    contacts = pd.DataFrame({"kind": kinds, **dict.fromkeys(STATE_COLUMNS, 1.0)})
+    contacts = contacts.assign(t=contacts.index, recording_id="arena/club/0")
+    contacts.loc[:1, "recording_id"] = "arena/cannon/0"
     found = simulated_launches(contacts)[["group", "stroke"]].to_numpy().tolist()
     assert found == [["cannon", "cannon"], ["club", "serve"], ["club", "rally"]]
     both = pd.concat([launches(), launches().assign(launch_id="robot/serves/1")])
@@ -97,10 +66,7 @@ def test_a_quantity_is_what_its_name_says(state, quantity, value):
 def test_quantiles_and_distance_are_those_of_the_distributions():
     random = np.random.default_rng(0)
     drawn = made_up("rally", random, measured=0.0, amateur=0.0, club=0.0, pro=10.0)
-
-    table = launch_distributions(drawn).set_index(["quantity", "group"])
-
-    speed = table.loc["speed (m/s)"]
+    speed = launch_distributions(drawn).set_index(["quantity", "group"]).loc["speed (m/s)"]
     assert speed.loc["pro", "50%"] == pytest.approx(10.0, abs=0.2)
     assert speed.loc["pro", "95%"] == pytest.approx(10 + 1.645, abs=0.3)
     assert speed.loc["pro", "distance to measured"] == pytest.approx(1.0, abs=0.01)

@@ -5,6 +5,7 @@ from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rallygap.pipeline.paper.comparison import groups
@@ -42,16 +43,12 @@ def palettes():
     return [light, {**light, **dict(re.findall(pattern, dark))}]
 
 
-def contrast(first, second):
+def contrast(*colours):
     """The contrast ratio of two colours as the Web Content Accessibility Guidelines define it."""
-    brighter, darker = sorted(map(luminance, (first, second)), reverse=True)
+    channels = np.array([[*bytes.fromhex(colour[1:])] for colour in colours]) / 255
+    linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
+    darker, brighter = sorted(linear @ [0.2126, 0.7152, 0.0722])
     return (brighter + 0.05) / (darker + 0.05)
-
-
-def luminance(colour):
-    channels = [int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5)]
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
-    return sum(c * weight for c, weight in zip(linear, (0.2126, 0.7152, 0.0722), strict=True))
 
 
 def test_the_page_opens_with_the_results_that_the_reports_have(page):

@@ -1,5 +1,6 @@
 """The results that the report page opens with are those that a run has."""
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -7,15 +8,6 @@ from rallygap.pipeline.io.artifacts import write_csv
 from rallygap.pipeline.paper.run_reports import Reports
 from rallygap.pipeline.report.results import RESULTS, results_section
 
-POLICIES = [
-    {
-        "observation": "intercept", "horizons_ms": "115-125", "predictor": predictor,
-        "protocol": protocol, "return_rate": rate, "return_rate_low": rate - 0.1,
-        "return_rate_high": rate + 0.1,
-    }
-    for predictor, rate in (("physics_c", 0.4), ("transformer", 0.5), ("amended", 0.6))
-    for protocol in ("first_window", "every_tick")
-]  # fmt: skip
 GAP = {"source": "arena", "simulator": "imperfect_c", "before_mm": 80.4, "after_mm": 30.2}
 FORECAST = {"set": "tt3d", "quantity": "position", "bounce": "all", "horizon_ms": 300}
 EXAM = {
@@ -27,8 +19,15 @@ EXAM = {
 @pytest.fixture
 def run(tmp_path):
     """Reports with numbers for every result but the learning curves."""
+    policies = pd.DataFrame({"predictor": ["physics_c", "transformer", "amended"]})
+    policies = policies.assign(observation="intercept", horizons_ms="115-125")
+    for column, shift in (("rate", 0.0), ("rate_low", -0.1), ("rate_high", 0.1)):
+        policies[f"return_{column}"] = shift + np.array([0.4, 0.5, 0.6])
+    protocols = ("first_window", "every_tick")
     tables = {
-        "swap_study/readings_all.csv": POLICIES,
+        "swap_study/readings_all.csv": pd.concat(
+            [policies.assign(protocol=protocol) for protocol in protocols]
+        ),
         "exam/rates.csv": [{"rate": name, "rallygap": count} for name, count in EXAM.items()],
         "close_gap/errors.csv": [{**GAP, "horizon_ms": 300, "floor_mm": 29.0}],
         "real_forecasts/errors.csv": [
@@ -44,7 +43,6 @@ def run(tmp_path):
 @pytest.mark.parametrize(
     ("key", "words"),
     [
-        ("swap", "Policies return 40, 50 and 60 % of replayed shots with one forecast"),
         ("swap", "40, 50 and 60 % with a forecast at every control step (95 % intervals: at most"),
         ("gap", "simulator C on held-out shots of the arena, 300 ms ahead, is 80 mm before and 30"),
         ("real", "tt3d 100 to 60 mm"),
@@ -61,6 +59,6 @@ def test_results_that_lack_a_number_are_left_out(run):
     for figure in figures:
         (run.folder / figure).parent.mkdir(parents=True, exist_ok=True)
         (run.folder / figure).write_bytes(b"\x89PNG\r\n\x1a\n")
-    write_csv(run.folder / "swap_study/readings_all.csv", pd.DataFrame(POLICIES[:2]))
+    (run.folder / "swap_study/readings_all.csv").unlink()
     write_csv(run.folder / "exam/rates.csv", pd.DataFrame([{"rate": "pairs", "rallygap": 3}]))
     assert [one["key"] for one in results_section(run, figures)] == ["gap", "real"]
