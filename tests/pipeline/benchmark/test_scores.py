@@ -27,18 +27,14 @@ REPOSITORY = Path(__file__).parents[3]
 NUMBERS = ["mean", "std", "n", "ci_low", "ci_high"]
 
 
-def predictor(root, name):
-    predictors = read_predictors(root / "artifacts", params().evaluate_predictor)
-    return next(one.predictor for one in predictors if one.name == name)
-
-
 @pytest.mark.parametrize("name", ["physics_c", "tiny"])
 def test_forecasts_of_our_predictor_have_exactly_its_scores(tmp_path, root, sets, name):
     export_windows(sets, tmp_path)
     exported = pd.read_parquet(tmp_path / "windows.parquet")
-    forecasts = forecasts_of(predictor(root, name), exported).sample(frac=1, random_state=0)
+    ours = read_predictors(root / "artifacts", params().evaluate_predictor)
+    (predictor,) = (one.predictor for one in ours if one.name == name)
     path = tmp_path / "mine.parquet"
-    forecasts.to_parquet(path, index=False)
+    forecasts_of(predictor, exported).sample(frac=1, random_state=0).to_parquet(path, index=False)
     write_scores(tmp_path / "scores.json", score(root, params(), path))
     written = json.loads((tmp_path / "scores.json").read_text())
     assert set(written) == {one.name for one in sets}

@@ -58,10 +58,7 @@ def made_up_shots(names=("spindoe/000/00", "spindoe/001/00")) -> list[Shot]:
     """Shots whose forecasts are off by a fixed distance: 50 mm and 80 mm."""
     times = np.arange(0.0, 0.6, 0.005)
     after = times[12:72]
-    forecasts = {
-        name: Forecast(t=after.tolist(), position=(bouncing_ball(after) + offset).tolist())
-        for name, offset in OFFSETS.items()
-    }
+    forecasts = {name: _track(after, offset) for name, offset in OFFSETS.items()}
     measured = {"t": times.tolist(), "measured": bouncing_ball(times).tolist()}
     return [
         Shot(episode_id=name, source="spindoe", anchor=times[11], forecasts=forecasts, **measured)
@@ -75,14 +72,13 @@ def made_up_return(outcome: str = "returned", hit: float | None = 0.5) -> Return
     coming = bouncing_ball(np.minimum(times, 0.5))
     coming[:, 1] += 4.0 * np.maximum(times - 0.5, 0.0)
     ball = Forecast(t=times.round(6).tolist(), position=coming.tolist())
-    before = times[times <= 0.5]
     return Return(
         name="stroke_pro 3",
         predictor="physics",
         outcome=outcome,
         horizon=0.12,
         hit=hit,
-        measured=Forecast(t=before.tolist(), position=bouncing_ball(before).tolist()),
+        measured=_track(times[times <= 0.5]),
         ball=ball,
         frame=0.02,
         joints=[(0.1 * s, 0.0, 0.2 * s, 0.0, 0.0, 0.1 * s) for s in np.linspace(0, 1, 46)],
@@ -92,12 +88,15 @@ def made_up_return(outcome: str = "returned", hit: float | None = 0.5) -> Return
 
 def _timed(offset: tuple[float, float, float]) -> list[TimedForecast]:
     """Forecasts at 55, 95, ... ms."""
-    timed = []
-    for at in np.arange(0.055, 0.5, 0.04).round(6):
-        ahead = (at + np.arange(0.02, 0.301, 0.02)).round(6)
-        places = (bouncing_ball(ahead) + offset).tolist()
-        timed.append(TimedForecast(at=at, track=Forecast(t=ahead.tolist(), position=places)))
-    return timed
+    starts = np.arange(0.055, 0.5, 0.04).round(6)
+    return [
+        TimedForecast(at=at, track=_track((at + np.arange(0.02, 0.301, 0.02)).round(6), offset))
+        for at in starts
+    ]
+
+
+def _track(times: np.ndarray, offset: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Forecast:
+    return Forecast(t=times.tolist(), position=(bouncing_ball(times) + offset).tolist())
 
 
 def moving_dot() -> list[np.ndarray]:
@@ -134,10 +133,8 @@ def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/0
     for stage, members in items.items():
         for item in members:
             item.write(reports / stage / item.file)
-    write_shots(
-        root / "artifacts" / "evaluate_predictor" / "shots.json",
-        made_up_shots((shot, "spindoe/001/00")),
-    )
+    shots = made_up_shots((shot, "spindoe/001/00"))
+    write_shots(root / "artifacts" / "evaluate_predictor" / "shots.json", shots)
     returns = [made_up_return(), made_up_return(outcome="missed", hit=None)]
     write_returns(root / "artifacts" / "sim2real" / "returns.json", returns)
     return {

@@ -1,6 +1,7 @@
 """The report page in headless Chromium: quiet, offline, readable, and its 3-D view alive."""
 
 import json
+import re
 import time
 from pathlib import Path
 
@@ -19,6 +20,7 @@ pytestmark = pytest.mark.browser
 
 ROOT = Path(__file__).parents[3]
 PAGE = ROOT / "reports" / "index.html"  # of the last run, if there was one
+LIGHT, WHOLE = 1.5e6, 16e6  # bytes for a phone: all 3-D views, and the page with its pictures
 DESKTOP, PHONE = (1280, 900), (390, 844)
 LIGHT_TABLE = "#dbe6ee"
 PAPER = (718, 1047)  # A4 without its margins, CSS pixels
@@ -121,7 +123,11 @@ def test_the_page_is_quiet_and_only_boxes_of_tables_and_figures_scroll_sideways(
 
 
 @pytest.mark.skipif(not PAGE.exists(), reason="needs a run: make reproduce")
-def test_the_pages_of_runs_are_quiet_offline_and_whole(browser):
+def test_the_page_of_the_last_run_is_quiet_offline_whole_and_light(browser):
+    text = PAGE.read_text(encoding="utf-8")
+    views = re.findall(r'<script type="application/json"[^>]*>(.*?)</script>', text, re.DOTALL)
+    assert 0 < sum(len(view.encode()) for view in views) < LIGHT
+    assert len(text.encode()) < WHOLE
     open_page(browser, PAGE, PHONE)
     play_and_check_quiet(browser, PAGE)
     widths = "return [...document.images].map((image) => image.naturalWidth)"
