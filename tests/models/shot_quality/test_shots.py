@@ -91,10 +91,8 @@ def test_a_stroke_lands_where_the_parabola_does_in_either_direction(direction):
 
 
 def test_outliers_do_not_count():
-    one = stroke()
-    wrong = one.positions.copy()
-    wrong[-1] += 0.3
-    marked = np.arange(len(TIMES)) == len(TIMES) - 1
+    one, marked = stroke(), TIMES[-1] == TIMES
+    wrong = one.positions + 0.3 * marked[:, None]
     state, _ = measured_landing(replace(one, positions=wrong, outlier=marked))
     assert state == pytest.approx(measured_landing(one)[0], abs=1e-9)
 

@@ -4,7 +4,6 @@ from itertools import product
 
 import numpy as np
 import pandas as pd
-import pytest
 
 from experiments.report.policies import (
     POLICIES,
@@ -14,7 +13,7 @@ from experiments.report.policies import (
 )
 from rallygap.pipeline.report.plots import physics_colour
 from rallygap.pipeline.report.retrain_policy import retraining_figure
-from rallygap.pipeline.report.shot_quality import HATCH, calibration_figure, medians_figure
+from rallygap.pipeline.report.shot_quality import HATCH, medians_figure
 from rallygap.pipeline.report.sim2real import (
     PAPER_ROW,
     paper_form_table,
@@ -125,13 +124,6 @@ def test_a_bar_is_a_median_and_the_shorter_horizons_are_hatched():
     assert [bar.get_hatch() for bar in bars] == [HATCH, "", HATCH, "", HATCH, "", HATCH]
     for name, at in (("physics", [0, 1, 4, 5]), ("transformer", [2, 3, 6])):
         assert heights(axes, physics_colour(name)) == speed[at].tolist()
-
-
-def test_the_calibration_curve_is_the_table_s():
-    table = pd.DataFrame({"method": ["forest"] * 2, "probability": [0.1, 0.4], "share": [0.2, 0.3]})
-    (axes,) = calibration_figure(table, 0.25).axes
-    drawn = next(line for line in axes.lines if line.get_label() == "forest")
-    assert drawn.get_xydata() == pytest.approx(table[["probability", "share"]].to_numpy())
 
 
 def test_every_policy_is_a_line_in_the_row_of_its_group():
