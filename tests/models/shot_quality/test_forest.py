@@ -13,7 +13,6 @@ from rallygap.models.shot_quality.forest import (
     classifiers,
     cross_validate,
     held_out_probabilities,
-    permutation_importance,
     roc_auc,
     score,
 )
@@ -23,9 +22,10 @@ CLASSIFIERS = classifiers(SETTINGS, 0)
 
 
 def validated(name, rule, count=900):
+    """Outcomes, matches and held-out probabilities of shots."""
     features, wins, matches = planted(count, seed=2, rule=rule)
     folds = cross_validate(CLASSIFIERS[name], features, wins, matches, 5)
-    return features, wins, matches, folds, held_out_probabilities(folds, features)
+    return wins, matches, held_out_probabilities(folds, features)
 
 
 def test_every_shot_is_held_out_once_with_its_whole_match():
@@ -42,20 +42,20 @@ def test_every_shot_is_held_out_once_with_its_whole_match():
 
 @pytest.mark.parametrize("name", ["forest", "logistic"])
 def test_a_known_rule_is_learned_and_noise_is_not(name):
-    _, wins, _, _, probabilities = validated(name, rule=False)
+    wins, _, probabilities = validated(name, rule=False)
     assert abs(score(roc_auc, wins, probabilities) - 0.5) < 0.06  # three standard errors
-    _, wins, _, _, probabilities = validated(name, rule=True)
+    wins, _, probabilities = validated(name, rule=True)
     base_rate = validated("base_rate", rule=True)[-1]
     assert score(roc_auc, wins, probabilities) > 0.85
     assert score(brier, wins, probabilities) < 0.8 * score(brier, wins, base_rate)
 
 
-def test_too_few_matches_or_outcomes_are_refused():
+def test_a_single_outcome_is_certain_and_refused_in_cross_validation():
     features, wins, matches = planted(24)
-    with pytest.raises(ValueError, match="4 matches cannot be split into 5 folds"):
-        cross_validate(CLASSIFIERS["base_rate"], features, wins, matches, 5)
-    with pytest.raises(ValueError, match="same outcome"):
-        cross_validate(CLASSIFIERS["base_rate"], features, wins | True, matches, 2)
+    for one in (wins | True, wins & False):
+        assert (Forest(features, one, SETTINGS, 0).probabilities(features) == one).all()
+        with pytest.raises(ValueError, match="same outcome"):
+            cross_validate(CLASSIFIERS["base_rate"], features, one, matches, 2)
 
 
 def test_scores_are_those_of_scikit_learn():
@@ -71,7 +71,7 @@ def test_scores_are_those_of_scikit_learn():
 
 
 def test_intervals_contain_the_score_and_resample_whole_matches():
-    _, wins, matches, _, probabilities = validated("logistic", rule=True, count=300)
+    wins, matches, probabilities = validated("logistic", rule=True, count=300)
     value, low, high = bootstrap_score(brier, wins, probabilities, matches, 400, 0).interval()
     assert low < value == score(brier, wins, probabilities) < high
     doubled = [np.repeat(one, 2) for one in (wins, probabilities, matches)]
@@ -88,36 +88,9 @@ def test_calibration_bins_hold_equally_many_shots_in_order_of_probability():
         (probabilities[10:20].mean(), 0.2), (probabilities[:10].mean(), 0.3)]]  # fmt: skip
 
 
-def test_only_the_feature_of_the_rule_is_important():
-    features, wins, _, folds, _ = validated("forest", rule=True)
-    decrease = permutation_importance(folds, features, wins, np.random.default_rng(0))
-    mean = decrease.mean(axis=0)
-    assert mean[3] > 0.25
-    assert np.abs(np.delete(mean, 3)).max() < 0.03
-
-
-@pytest.fixture(scope="module")
-def forest():
-    return Forest(*planted()[:2], SETTINGS, 3)
-
-
-@pytest.mark.parametrize("won", [True, False])
-def test_with_a_single_outcome_the_probability_is_certain(won):
-    features, wins, _ = planted(50)
-    forest = Forest(features, np.full(len(wins), won), SETTINGS, 0)
-    assert (forest.probabilities(features) == float(won)).all()
-
-
-def test_a_known_rule_is_found_and_no_shots_have_no_probability(forest):
-    features = planted(300, seed=8)[0]
-    probabilities = forest.probabilities(features)
-    assert probabilities[features[:, 3] > 1].min() > 0.6
-    assert probabilities[features[:, 3] < -1].max() < 0.4
-    assert forest.probabilities(features[:0]).shape == (0,)
-
-
-def test_out_of_range_is_what_lies_beyond_all_training_shots(forest):
-    features, _, _ = planted()
+def test_out_of_range_is_what_lies_beyond_all_training_shots():
+    features, wins, _ = planted()
+    forest = Forest(features, wins, SETTINGS, 3)
     assert not forest.out_of_range(features).any()
     beyond = features[:1].copy()
     beyond[0, 2] = features[:, 2].max() + 1e-9
@@ -141,11 +114,8 @@ def test_the_interval_is_that_of_resampled_balls():
     median, low, high = resampled_median(values, balls, 30, 4000, 7).interval()
     assert median == np.median(values)
     assert [low, high] == pytest.approx(np.quantile(medians, [0.025, 0.975]), abs=0.05)
-
-
-def test_without_returns_there_is_no_median_and_without_resamples_no_interval():
-    assert np.isnan(resampled_median([], [], 5, 100, 0).interval()).all()
     assert resampled_median([3.0, 1.0], [0, 1], 5, 0, 0).interval() == (2.0, 2.0, 2.0)
+    assert np.isnan(resampled_median([], [], 5, 100, 0).interval()).all()
 
 
 def test_a_ratio_s_interval_covers_and_is_narrower_for_the_same_balls():

@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from rallygap.pipeline.benchmark.forecasts import read_forecasts
-from rallygap.pipeline.benchmark.windows import window_ids, window_table
+from rallygap.pipeline.benchmark.windows import window_table
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.benchmark.forecasting import ZeroPredictor, forecasts_of
 
@@ -24,7 +24,6 @@ def refusal(path, forecasts, sets):
     forecasts.to_parquet(path, index=False)
     with pytest.raises(InputError) as refused:
         read_forecasts(path, sets)
-    assert str(refused.value).startswith(f"{path}")
     assert "\n" not in str(refused.value)
     return str(refused.value).removeprefix(str(path))
 
@@ -45,18 +44,6 @@ def test_an_invalid_row_is_named_with_its_field(tmp_path, sets, forecasts, colum
     assert re.match(f", row 7, {problem}", refusal(tmp_path / "f.parquet", forecasts, sets))
 
 
-def test_a_missing_window_is_named_and_the_others_counted(tmp_path, sets, forecasts):
-    gone = window_ids(sets[0])[0]
-    left = forecasts[forecasts["window_id"] != gone]
-    message = refusal(tmp_path / "f.parquet", left, sets)
-    assert message.startswith(f": window {gone} has no row for 100 ms, and 40 more are missing")
-
-
-def test_too_many_rows_are_refused_before_reading(tmp_path, sets, forecasts):
-    message = refusal(tmp_path / "f.parquet", pd.concat([forecasts, forecasts]), sets)
-    assert f"has {2 * len(forecasts)} rows; all windows have {len(forecasts)} horizons" in message
-
-
 @pytest.mark.parametrize(
     ("changed", "expected"),
     [
@@ -66,9 +53,14 @@ def test_too_many_rows_are_refused_before_reading(tmp_path, sets, forecasts):
         (lambda table: table.assign(horizon_ms=0.1), ", horizon_ms: has the type double; give int"),
         (lambda table: table.assign(window_id=7), ", window_id: has the type int64; give string"),
         (lambda table: table.iloc[:0], ": has no row"),
+        (lambda table: table.iloc[1:], ": window {name} has no row for 100 ms, and 0 more"),
+        (lambda table: table.iloc[41:], ": window {name} has no row for 100 ms, and 40 more"),
+        (lambda table: pd.concat([table, table]), ": has {twice} rows; all windows have {rows}"),
     ],
 )
 def test_a_table_of_another_shape_is_refused(tmp_path, sets, forecasts, changed, expected):
+    rows, name = len(forecasts), forecasts["window_id"].iloc[0]
+    expected = expected.format(name=name, rows=rows, twice=2 * rows)
     assert refusal(tmp_path / "f.parquet", changed(forecasts), sets).startswith(expected)
 
 
@@ -82,7 +74,7 @@ def test_a_decompression_bomb_is_refused_before_reading(tmp_path, sets, forecast
         read_forecasts(path, sets)
 
 
-def test_narrow_types_and_any_order_of_columns_are_accepted(tmp_path, sets, forecasts):
+def test_narrow_types_any_order_of_columns_and_a_single_set_are_accepted(tmp_path, sets, forecasts):
     path = tmp_path / "f.parquet"
     narrow = forecasts.astype({"px": "float32", "horizon_ms": "int16", "wx": "int64"})
     narrow[sorted(narrow)].to_parquet(path, index=False)
@@ -90,16 +82,15 @@ def test_narrow_types_and_any_order_of_columns_are_accepted(tmp_path, sets, fore
     assert {name: len(one.states) for name, one in read.items()} == {
         one.name: len(one.windows) for one in sets
     }
+    of_one_set = forecasts_of(ZeroPredictor(), window_table(sets[:1]))
+    of_one_set.to_parquet(path, index=False)
+    assert list(read_forecasts(path, sets)) == [sets[0].name]
 
 
-@pytest.mark.parametrize("made", ["missing", "folder", "text", "cut"])
-def test_a_file_that_is_no_parquet_table_is_an_error(tmp_path, sets, forecasts, made):
+@pytest.mark.parametrize("made", ["missing", "text"])
+def test_a_file_that_is_no_parquet_table_is_an_error(tmp_path, sets, made):
     path = tmp_path / "f.parquet"
-    if made == "folder":
-        path.mkdir()
-    elif made != "missing":
-        forecasts.to_parquet(path, index=False)
-        whole = path.read_bytes()
-        path.write_bytes(b"window_id" if made == "text" else whole[: len(whole) // 2])
+    if made == "text":
+        path.write_bytes(b"window_id")
     with pytest.raises(InputError, match="is not a parquet table"):
         read_forecasts(path, sets)

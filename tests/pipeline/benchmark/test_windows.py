@@ -2,20 +2,11 @@
 
 import numpy as np
 import pandas as pd
-import pytest
 
 from rallygap.models.predictors.protocol import HISTORY
-from rallygap.pipeline.benchmark.windows import (
-    FORECASTS,
-    WINDOWS,
-    export_windows,
-    type_of,
-    window_ids,
-    window_table,
-)
+from rallygap.pipeline.benchmark.windows import window_ids, window_table
 from rallygap.pipeline.evaluation.evaluation_windows import read_test_sets
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS
-from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.measured_shots import params, write_inputs
 
 EVERY = params().evaluate_predictor.window_every_ms / 1000  # s
@@ -29,7 +20,7 @@ def test_the_table_holds_every_history_exactly_and_nothing_of_a_future(sets):
         for name, states, mask in zip(window_ids(one), history.states, history.mask, strict=True):
             window = rows.loc[name]
             assert len(window) == HISTORY
-            found = window[[*POSITION_COLUMNS, *SPIN_COLUMNS]].to_numpy()
+            found = window[[*POSITION_COLUMNS, *SPIN_COLUMNS]]
             np.testing.assert_array_equal(found, np.where(mask, states, np.nan))
             assert (window["position_measured"] == mask[:, :3].all(axis=1)).all()
             assert (window["spin_measured"] == mask[:, 3:].all(axis=1)).all()
@@ -68,22 +59,3 @@ def test_the_id_depends_on_the_future(tmp_path, root):
     assert same.any()
     assert not same.all()
     np.testing.assert_array_equal(changed.windows.history.states, plain.windows.history.states)
-
-
-def test_the_readme_describes_every_column_and_set(tmp_path, sets):
-    export_windows(sets, tmp_path / "out")
-    readme = (tmp_path / "out" / "README.md").read_text()
-    for contract in (WINDOWS, FORECASTS):
-        for name, column in contract.columns.items():
-            assert f"| {name} | {type_of(column)} | {column.description} |" in readme
-    for one in sets:
-        assert f"| {one.name} | {len(one.windows)} |" in readme
-        assert one.source.licence in readme
-    table = pd.read_parquet(tmp_path / "out" / "windows.parquet")
-    assert list(table) == list(WINDOWS.columns)
-
-
-def test_a_folder_that_cannot_be_written_is_an_error(tmp_path, sets):
-    (tmp_path / "file").write_text("mine")
-    with pytest.raises(InputError, match="cannot be written to"):
-        export_windows(sets, tmp_path / "file")

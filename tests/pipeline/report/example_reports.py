@@ -1,5 +1,6 @@
 """Made-up forecasts, shots and report folders, as the stages would leave them."""
 
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from rallygap.pipeline.evaluation.example_shots import Forecast, Shot, read_shots, write_shots
+from rallygap.pipeline.io.artifacts import write_csv
 from rallygap.pipeline.paper.run_reports import Reports
 from rallygap.pipeline.report.page import render_page
 from rallygap.pipeline.transfer.example_returns import (
@@ -30,32 +32,16 @@ WINDOWS = {"all": (1.0, 412), "with": (1.5, 168), "without": (0.6, 244)}
 OFFSETS = {"physics_c": (0.03, 0.04, 0.0), "physics_literature": (0.0, 0.0, 0.08)}  # m
 
 
-def forecast_errors(
-    quantities=("position", "velocity", "spin"), windows=("all", "with", "without")
-) -> pd.DataFrame:
+def forecast_errors() -> pd.DataFrame:
     """Errors that grow with the horizon, one row a predictor, quantity, window and horizon."""
-    rows = []
-    for factor, predictor in enumerate(OFFSETS, start=1):
-        for quantity in quantities:
-            for window in windows:
-                size, count = WINDOWS[window]
-                for horizon in HORIZONS:
-                    mean = factor * size * (horizon / 100) ** 2
-                    key = ("spindoe", predictor, quantity, horizon, window)
-                    rows.append((*key, mean, 0.6 * mean, count, 0.9 * mean, 1.1 * mean))
-    columns = "set predictor quantity horizon_ms bounce mean std n ci_low ci_high"
-    return pd.DataFrame(rows, columns=columns.split())
-
-
-def learning_curves() -> pd.DataFrame:
-    """Errors in mm of three predictors by the number of recordings."""
-    errors = {"amended_imperfect_c": 30.0, "transformer": 90.0, "oracle": 28.0}
-    rows = [
-        (name, recordings, 300, mean + 300 / recordings)
-        for name, mean in errors.items()
-        for recordings in (10, 300, 2000)
-    ]
-    return pd.DataFrame(rows, columns=["predictor", "recordings", "horizon_ms", "mean"])
+    quantities = ("position", "velocity", "spin")
+    keys = product(["spindoe"], OFFSETS, quantities, HORIZONS, WINDOWS)
+    table = pd.DataFrame(keys, columns=["set", "predictor", "quantity", "horizon_ms", "bounce"])
+    table["n"] = table["bounce"].map({name: count for name, (_, count) in WINDOWS.items()})
+    sizes = table["bounce"].map({name: size for name, (size, _) in WINDOWS.items()})
+    mean = sizes * (table["predictor"].map(list(OFFSETS).index) + 1)
+    mean *= (table["horizon_ms"] / 100) ** 2
+    return table.assign(mean=mean, std=0.6 * mean, ci_low=0.9 * mean, ci_high=1.1 * mean)
 
 
 def bouncing_ball(times: np.ndarray) -> np.ndarray:
@@ -72,10 +58,7 @@ def made_up_shots(names=("spindoe/000/00", "spindoe/001/00")) -> list[Shot]:
     """Shots whose forecasts are off by a fixed distance: 50 mm and 80 mm."""
     times = np.arange(0.0, 0.6, 0.005)
     after = times[12:72]
-    forecasts = {
-        name: Forecast(t=after.tolist(), position=(bouncing_ball(after) + offset).tolist())
-        for name, offset in OFFSETS.items()
-    }
+    forecasts = {name: _track(after, offset) for name, offset in OFFSETS.items()}
     measured = {"t": times.tolist(), "measured": bouncing_ball(times).tolist()}
     return [
         Shot(episode_id=name, source="spindoe", anchor=times[11], forecasts=forecasts, **measured)
@@ -83,36 +66,37 @@ def made_up_shots(names=("spindoe/000/00", "spindoe/001/00")) -> list[Shot]:
     ]
 
 
-def made_up_return(**changes) -> Return:
+def made_up_return(outcome: str = "returned", hit: float | None = 0.5) -> Return:
     """A ball that the arm meets after 0.5 s and sends back; forecasts are 50 and 80 mm off."""
     times = np.arange(0.0, 0.9001, 0.005)
     coming = bouncing_ball(np.minimum(times, 0.5))
     coming[:, 1] += 4.0 * np.maximum(times - 0.5, 0.0)
     ball = Forecast(t=times.round(6).tolist(), position=coming.tolist())
-    before = times[times <= 0.5]
-    plain = {
-        "name": "stroke_pro 3",
-        "predictor": "physics",
-        "outcome": "returned",
-        "horizon": 0.12,
-        "hit": 0.5,
-        "measured": Forecast(t=before.tolist(), position=bouncing_ball(before).tolist()),
-        "ball": ball,
-        "frame": 0.02,
-        "joints": [(0.1 * s, 0.0, 0.2 * s, 0.0, 0.0, 0.1 * s) for s in np.linspace(0, 1, 46)],
-        "forecasts": {name: _timed(offset) for name, offset in OFFSETS.items()},
-    }
-    return Return(**{**plain, **changes})
+    return Return(
+        name="stroke_pro 3",
+        predictor="physics",
+        outcome=outcome,
+        horizon=0.12,
+        hit=hit,
+        measured=_track(times[times <= 0.5]),
+        ball=ball,
+        frame=0.02,
+        joints=[(0.1 * s, 0.0, 0.2 * s, 0.0, 0.0, 0.1 * s) for s in np.linspace(0, 1, 46)],
+        forecasts={name: _timed(offset) for name, offset in OFFSETS.items()},
+    )
 
 
 def _timed(offset: tuple[float, float, float]) -> list[TimedForecast]:
     """Forecasts at 55, 95, ... ms."""
-    timed = []
-    for at in np.arange(0.055, 0.5, 0.04).round(6):
-        ahead = (at + np.arange(0.02, 0.301, 0.02)).round(6)
-        places = (bouncing_ball(ahead) + offset).tolist()
-        timed.append(TimedForecast(at=at, track=Forecast(t=ahead.tolist(), position=places)))
-    return timed
+    starts = np.arange(0.055, 0.5, 0.04).round(6)
+    return [
+        TimedForecast(at=at, track=_track((at + np.arange(0.02, 0.301, 0.02)).round(6), offset))
+        for at in starts
+    ]
+
+
+def _track(times: np.ndarray, offset: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Forecast:
+    return Forecast(t=times.tolist(), position=(bouncing_ball(times) + offset).tolist())
 
 
 def moving_dot() -> list[np.ndarray]:
@@ -128,12 +112,16 @@ def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/0
     reports = root / "reports"
     figure = Figure(figsize=(FIGURE_WIDTH, 1.0))
     figure.subplots().plot(HORIZONS)
-    (reports / "learning_curves").mkdir(parents=True)
-    learning_curves().to_csv(reports / "learning_curves" / "errors.csv", index=False)
+    errors = {"amended_imperfect_c": 31.0, "transformer": 90.0, "oracle": 28.0}
+    curves = pd.DataFrame(errors.items(), columns=["predictor", "mean"])
+    curves = curves.assign(recordings=[300, 2000, 2000], horizon_ms=300)
+    write_csv(reports / "learning_curves" / "errors.csv", curves)
     contacts = pd.DataFrame({"recording": [title, "tt3d/003"], "speed_change": [12.3456, 0.5]})
     caption = "Mean error and its interval from 100 to 300 ms, with and without a bounce."
+    wide = {f"a_rather_long_column_{number}": np.arange(40) * number for number in range(12)}
+    sources = pd.DataFrame({"source": "spindoe", **wide})
     items: dict[str, list[ReportItem]] = {
-        "ingest": [ReportTable(_sources(), "sources", "Sources", "Rows read and refused.")],
+        "ingest": [ReportTable(sources, "sources", "Sources", "Rows read and refused.")],
         "segment": [ReportTable(contacts, "contacts", title, f"Contacts of {title}.")],
         "evaluate_predictor": [
             ReportFigure(figure, "spindoe", "Forecast error on spindoe", caption),
@@ -145,10 +133,8 @@ def make_reports(root: Path, title: str = "Contacts", shot: str = "spindoe/000/0
     for stage, members in items.items():
         for item in members:
             item.write(reports / stage / item.file)
-    write_shots(
-        root / "artifacts" / "evaluate_predictor" / "shots.json",
-        made_up_shots((shot, "spindoe/001/00")),
-    )
+    shots = made_up_shots((shot, "spindoe/001/00"))
+    write_shots(root / "artifacts" / "evaluate_predictor" / "shots.json", shots)
     returns = [made_up_return(), made_up_return(outcome="missed", hit=None)]
     write_returns(root / "artifacts" / "sim2real" / "returns.json", returns)
     return {
@@ -162,8 +148,3 @@ def made_up_page(root: Path, items: Items) -> str:
     shots = read_shots(root / "artifacts" / "evaluate_predictor" / "shots.json")
     returns = read_returns(root / "artifacts" / "sim2real" / "returns.json")
     return render_page(Reports(root / "reports", {}), items, shots, returns)
-
-
-def _sources() -> pd.DataFrame:
-    wide = {f"a_rather_long_column_{number}": np.arange(40) * number for number in range(12)}
-    return pd.DataFrame({"source": ["spindoe"] * 40, **wide})

@@ -38,30 +38,24 @@ def test_lines_are_the_numbers_of_their_row_and_the_band_is_the_interval():
     assert (heights.min(), heights.max()) == pytest.approx((last["ci_low"], last["ci_high"]))
 
 
-def test_what_a_set_has_not_gets_no_panel():
-    figure = forecast_error_figure(forecast_errors(["position", "velocity"], ["all", "without"]))
-
-    assert len(figure.axes) == 6
-    assert all(axes.lines for axes in figure.axes)
-
-
-def test_a_quantity_never_measured_in_some_windows_leaves_their_panel_empty():
-    frame = forecast_errors().query("quantity != 'spin' or bounce != 'with'")
-
-    axes = forecast_error_figure(frame).axes[8]  # spin, with a bounce
-
-    assert [text.get_text() for text in axes.texts] == ["n = 0"]
+def test_what_a_set_has_not_gets_no_panel_and_what_some_windows_have_not_an_empty_one():
+    frame = forecast_errors()
+    some = frame.query("quantity != 'spin' and bounce != 'with'")
+    assert [len(axes.lines) > 0 for axes in forecast_error_figure(some).axes] == [True] * 6
+    fewer = frame.query("quantity != 'spin' or bounce != 'with'")
+    panel = forecast_error_figure(fewer).axes[8]  # spin, with a bounce
+    assert [text.get_text() for text in panel.texts] == ["n = 0"]
 
 
-@pytest.mark.parametrize(
-    ("predictors", "drawn"),
-    [
-        (["transformer", "physics_c", "tae", "physics_c_with_net"], ["simulator C", "transformer"]),
-        (["tae", "gru_tae"], ["TAE", "GRU-TAE"]),
-    ],
-)
-def test_the_main_predictors_are_drawn_where_a_set_has_them(predictors, drawn):
-    keys = product(predictors, (0.5, 0.9), (100, 125, 130, 150))
+@pytest.mark.parametrize("drawn", [["transformer", "physics_c"], ["tae", "gru_tae"]])
+def test_coverage_and_size_are_of_the_main_predictors_where_a_set_has_them(drawn):
+    keys = product(sorted({*drawn, "tae"}), (0.5, 0.9), (100, 125, 130, 150))
     rows = pd.DataFrame(keys, columns=["predictor", "level", "horizon_ms"])
-    (legend,) = coverage_figure(rows.assign(coverage=0.8, size_mm=20.0)).legends
-    assert [text.get_text() for text in legend.get_texts()] == drawn
+    rows["coverage"], rows["size_mm"] = np.linspace(0.4, 0.9, len(rows)), 20.0 + rows.index
+    panels = coverage_figure(rows).axes
+    for level, above, below in zip((0.5, 0.9), panels[:2], panels[2:], strict=True):
+        own = rows[(rows["level"] == level) & (rows["horizon_ms"] != 130)]
+        for axes, column, unit in ((above, "coverage", 100), (below, "size_mm", 1)):
+            lines = [line.get_ydata().tolist() for line in axes.lines if len(line.get_xdata()) == 3]
+            expected = [unit * own[own["predictor"] == name][column] for name in drawn]
+            assert sorted(lines) == sorted(one.tolist() for one in expected)

@@ -6,10 +6,6 @@ import pytest
 
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
 from rallygap.pipeline.report.ingest import (
-    DRAWN_BALLS,
-    DRAWN_LAUNCHES,
-    DRAWN_RUN,
-    drawn_rows,
     launch_distributions,
     launches_figure,
     measured_balls_figure,
@@ -18,46 +14,13 @@ from rallygap.pipeline.report.segment import LARGEST_ERROR, contact_scores_figur
 from rallygap.pipeline.sources.launches import QUANTITIES, measured_launches, simulated_launches
 
 STATE_COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
-CONTACTS = pd.DataFrame(
-    {
-        "kind": ["table", "table", "racket", "racket"],
-        "speed": [1.0, 2.0, 8.0, 20.0],
-        "detected": [True, False, True, True],
-        "error": [0.001, np.nan, -0.002, 0.0],
-    }
-)
 
 
 def test_a_source_is_drawn_from_the_side_and_from_above():
     balls = pd.DataFrame([[0.1, 1.0, 0.3], [0.2, -1.0, 0.4]], columns=POSITION_COLUMNS)
-    panels = measured_balls_figure({"lab": balls}).axes
-    drawn = [
-        line.get_xydata().tolist()
-        for axes in panels
-        for line in axes.lines
-        if line.get_marker() == "."
-    ]
-    assert drawn == [[[1.0, 0.3], [-1.0, 0.4]], [[1.0, 0.1], [-1.0, 0.2]]]
-    assert panels[0].get_title(loc="left") == "lab, from the side"
-
-
-@pytest.mark.parametrize(
-    ("launches", "most", "run"), [(True, DRAWN_LAUNCHES, 1), (False, DRAWN_BALLS, DRAWN_RUN)]
-)
-def test_of_many_rows_an_even_choice_of_runs_is_drawn(launches, most, run):
-    chosen = drawn_rows(10 * most, launches=launches).reshape(-1, run)
-
-    assert chosen.size == most
-    assert (np.diff(chosen) == 1).all()
-    assert (chosen[0, 0], chosen[-1, -1]) == (0, 10 * most - 1)
-    assert np.ptp(np.diff(chosen[:, 0])) <= 1
-
-
-@pytest.mark.parametrize("rows", [1, DRAWN_BALLS, DRAWN_BALLS + 1])
-def test_rows_are_drawn_once_each(rows):
-    chosen = drawn_rows(rows, launches=False)
-
-    assert len(set(chosen)) == len(chosen) == min(rows, DRAWN_BALLS)
+    side, above = (axes.lines[1].get_xydata() for axes in measured_balls_figure({"": balls}).axes)
+    assert side.tolist() == [[1.0, 0.3], [-1.0, 0.4]]
+    assert above.tolist() == [[1.0, 0.1], [-1.0, 0.2]]
 
 
 def launches(**values):
@@ -68,26 +31,20 @@ def launches(**values):
 
 def made_up(stroke, random, **shifts):
     """Launches of some groups, their quantities normally distributed about a shift."""
-    drawn = [
-        pd.DataFrame(random.normal(shift, 1.0, (400, 5)), columns=list(QUANTITIES))
-        for shift in shifts.values()
-    ]
-    groups = np.repeat(list(shifts), 400)
-    return pd.concat(drawn, ignore_index=True).assign(group=groups, stroke=stroke)
+    means = np.repeat(list(shifts.values()), 400)[:, None]
+    table = pd.DataFrame(random.normal(means, 1.0, (len(means), 5)), columns=list(QUANTITIES))
+    return table.assign(group=np.repeat(list(shifts), 400), stroke=stroke)
 
 
 def test_a_stroke_after_the_toss_is_a_serve_and_the_others_are_the_rally_s():
-    kinds = {
-        "arena/cannon/0": ["launch", "table"],
-        "arena/club/0": ["launch", "racket", "table", "racket", "floor"],
-    }
-    rows = [(recording, kind) for recording, members in kinds.items() for kind in members]
-    contacts = pd.DataFrame(rows, columns=["recording_id", "kind"])
-    contacts = contacts.assign(t=range(len(rows)), **dict.fromkeys(STATE_COLUMNS, 1.0))
-
+    kinds = ["launch", "table", "launch", "racket", "table", "racket", "floor"]
+    contacts = pd.DataFrame({"kind": kinds, **dict.fromkeys(STATE_COLUMNS, 1.0)})
+    contacts = contacts.assign(t=contacts.index, recording_id="arena/club/0")
+    contacts.loc[:1, "recording_id"] = "arena/cannon/0"
     found = simulated_launches(contacts)[["group", "stroke"]].to_numpy().tolist()
-
     assert found == [["cannon", "cannon"], ["club", "serve"], ["club", "rally"]]
+    both = pd.concat([launches(), launches().assign(launch_id="robot/serves/1")])
+    assert measured_launches(both)["stroke"].tolist() == ["rally", "serve"]
 
 
 @pytest.mark.parametrize(
@@ -106,19 +63,10 @@ def test_a_quantity_is_what_its_name_says(state, quantity, value):
     assert measured_launches(launches(**state))[quantity].item() == pytest.approx(value)
 
 
-def test_measured_serves_are_separated_from_rallies():
-    both = pd.concat([launches(), launches().assign(launch_id="robot/serves/1")])
-
-    assert measured_launches(both)["stroke"].tolist() == ["rally", "serve"]
-
-
 def test_quantiles_and_distance_are_those_of_the_distributions():
     random = np.random.default_rng(0)
     drawn = made_up("rally", random, measured=0.0, amateur=0.0, club=0.0, pro=10.0)
-
-    table = launch_distributions(drawn).set_index(["quantity", "group"])
-
-    speed = table.loc["speed (m/s)"]
+    speed = launch_distributions(drawn).set_index(["quantity", "group"]).loc["speed (m/s)"]
     assert speed.loc["pro", "50%"] == pytest.approx(10.0, abs=0.2)
     assert speed.loc["pro", "95%"] == pytest.approx(10 + 1.645, abs=0.3)
     assert speed.loc["pro", "distance to measured"] == pytest.approx(1.0, abs=0.01)
@@ -127,28 +75,25 @@ def test_quantiles_and_distance_are_those_of_the_distributions():
     assert np.isnan(speed.loc["measured", "distance to measured"])
 
 
-def test_strokes_are_compared_with_strokes_of_their_kind_only():
+def test_strokes_are_compared_with_those_of_their_kind_and_a_kind_without_any_has_no_panels():
     random = np.random.default_rng(0)
-    drawn = pd.concat([made_up("serve", random, club=0.0), made_up("rally", random, measured=0.0)])
-
-    assert launch_distributions(drawn)["distance to measured"].isna().all()
-
-
-def test_a_kind_of_stroke_that_nobody_played_has_no_panels():
-    figure = launches_figure(made_up("serve", np.random.default_rng(0), club=0.0))
-
-    assert figure.axes[0].get_title(loc="left") == "serves"
-    assert len(figure.axes) == len(QUANTITIES)
+    serves, rallies = made_up("serve", random, club=0.0), made_up("rally", random, measured=0.0)
+    distances = launch_distributions(pd.concat([serves, rallies]))["distance to measured"]
+    assert distances.isna().all()
+    assert len(launches_figure(serves).axes) == len(QUANTITIES)
 
 
 def test_contacts_are_drawn_at_their_speed_in_milliseconds_and_missed_ones_are_crosses():
-    lines = contact_scores_figure(CONTACTS).figure.axes[1].lines
+    columns = {
+        "kind": ["table", "table", "racket", "racket"],
+        "speed": [1.0, 2.0, 8.0, 20.0],
+        "detected": [True, False, True, True],
+        "error": [0.001, np.nan, -0.002, 0.0],
+    }
+    contacts = pd.DataFrame(columns)
+    lines = contact_scores_figure(contacts).figure.axes[1].lines
     drawn = {line.get_label(): line.get_xydata() for line in lines}
     np.testing.assert_allclose(drawn["racket: speed after it"], [[8, -2], [20, 0]])
     crosses = [line.get_xydata() for line in lines if line.get_marker() == "x"]
     np.testing.assert_allclose(np.concatenate(crosses), [[2.0, -LARGEST_ERROR]])
-
-
-def test_without_contacts_the_figure_is_empty():
-    figure = contact_scores_figure(CONTACTS.iloc[:0]).figure
-    assert [len(axes.lines) for axes in figure.axes] == [0, 0]
+    assert not contact_scores_figure(contacts.iloc[:0]).figure.axes[1].lines

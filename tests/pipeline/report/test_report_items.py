@@ -1,11 +1,10 @@
-"""Tables, figures and animations in their files."""
+"""Figures and animations in their files."""
 
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 from PIL import Image, ImageSequence
 
-from rallygap.pipeline.web.report_items import ReportAnimation, ReportFigure, ReportTable
+from rallygap.pipeline.web.report_items import ReportAnimation, ReportFigure
 
 FRAMES = np.random.default_rng(0).integers(256, size=(4, 30, 40, 3), dtype=np.uint8)
 
@@ -21,18 +20,12 @@ def test_an_animation_has_every_pixel_and_rests_on_its_last_frame(tmp_path):
     assert [duration for _, duration in seen] == [40, 40, 40, 1000]
 
 
-def test_a_table_has_six_significant_digits(tmp_path):
-    item = ReportTable(pd.DataFrame({"value": [1 / 3, 2.0]}), "values", title="", caption="")
-    item.write(tmp_path / item.file)
-    assert (tmp_path / "values.csv").read_text() == "value\n0.333333\n2\n"
-
-
 def test_the_same_figure_gives_the_same_bytes(tmp_path):
-    contents = []
+    contents = set()
     for _ in range(2):
         figure = Figure(figsize=(1, 1))
         figure.subplots().plot([1, 2])
         item = ReportFigure(figure, "line", title="", caption="")
         item.write(tmp_path / item.file)
-        contents.append((tmp_path / item.file).read_bytes())
-    assert contents[0] == contents[1]
+        contents.add((tmp_path / item.file).read_bytes())
+    assert len(contents) == 1

@@ -31,36 +31,25 @@ def shots(root):
     return read_professionals(root / "artifacts")
 
 
-def true_returns(recording, match):
-    """Landing places and outcomes of all strokes that came down on the other half first."""
-    contacts, rows = recording.contacts, []
-    for number, kind in enumerate(contacts.kinds):
-        if kind != "racket" or "table" not in contacts.kinds[number + 1 : number + 2]:
-            continue
-        state, direction = contacts.states[number], np.sign(contacts.states[number, 4])
-        (point,) = [
-            one for one in recording.points if one.start <= contacts.times[number] <= one.end
-        ]
-        if direction * contacts.states[number + 1, 1] < 0:
-            continue
-        landed = landings(TRUTH.simulator, state[None])[0]
-        signs = np.array([direction, direction, 1.0] * 3)
-        won = point.winner == ("near" if direction > 0 else "far")
-        own = np.flatnonzero(
-            (contacts.kinds == "racket")
-            & (np.sign(contacts.states[:, 4]) == direction)
-            & (contacts.times <= point.end)
-        )
-        rows.append((match, *(landed * signs), won, won and number == own[-1]))
-    return rows
+def true_returns(match, recording):
+    """Landing states and outcomes of all strokes that came down on the other half first."""
+    times, states = recording.contacts.times, recording.contacts.states
+    direction, is_stroke = np.sign(states[:, 4]), recording.contacts.kinds == "racket"
+    lands = (recording.contacts.kinds[1:] == "table") & (direction[:-1] * states[1:, 1] >= 0)
+    for number in np.flatnonzero(is_stroke[:-1] & lands):
+        (point,) = [one for one in recording.points if one.start <= times[number] <= one.end]
+        landed = landings(TRUTH.simulator, states[number : number + 1])[0]
+        landed *= np.array([direction[number], direction[number], 1.0] * 3)
+        won = point.winner == ("near" if direction[number] > 0 else "far")
+        own = is_stroke & (direction == direction[number]) & (times <= point.end)
+        yield match, *landed, won, won and number == np.flatnonzero(own)[-1]
 
 
 @pytest.fixture(scope="module")
 def matched(shots, recordings):
     """Each found shot beside the true one that landed nearest to it in its match."""
-    true = pd.DataFrame(
-        [row for match, one in enumerate(recordings) for row in true_returns(one, match)]
-    )
+    games = enumerate(recordings)
+    true = pd.DataFrame([row for match, one in games for row in true_returns(match, one)])
     rows = []
     for features, match in zip(shots.features, shots.matches, strict=True):
         own = true[true[0] == match]

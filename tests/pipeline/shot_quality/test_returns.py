@@ -74,12 +74,8 @@ def test_medians_are_numpy_s_and_the_swap_divides_them_by_those_of_physics(retur
 
 def test_a_swap_for_the_same_returns_changes_nothing_on_any_resample(returns):
     played, rows = (table[table["predictor"] == "physics"] for table in (PLAYED, returns))
-    results = experiments(
-        pd.concat([played, played.assign(predictor="same")]),
-        pd.concat([rows, rows.assign(predictor="same")]),
-        50,
-        0,
-    )
+    both = (pd.concat([one, one.assign(predictor="same")]) for one in (played, rows))
+    results = experiments(*both, 50, 0)
     assert (swap_table(results).drop(columns=KEYS) == 1).all(axis=None)
 
 
@@ -114,4 +110,6 @@ def test_scores_calibration_and_importance_are_of_held_out_shots():
     assert np.average(curve["share"], weights=curve["shots"]) == pytest.approx(wins.mean())
     table = importance_table(shots, validations["wins", "forest"], 0)
     assert table["feature"].iloc[0] == FEATURES[3]
+    assert table["roc_auc_decrease"].iloc[0] > 0.25
+    assert table["roc_auc_decrease"].iloc[1:].abs().max() < 0.03
     assert set(table["most_correlated"]) <= set(FEATURES)
