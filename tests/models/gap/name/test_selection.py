@@ -134,13 +134,3 @@ def test_twenty_causes_are_all_found_and_no_other(seed):
     causes = tuple(range(1, 40, 2))
     weighing = random_world(causes, seed=seed)
     assert best_explanation(weighing, most=25).causes == causes
-
-
-def test_sets_grow_by_what_they_gain_with_one_more():
-    set_scores = random_world((1, 2, 3)).set_scores
-    sets, further = np.array([[1, 5], [2, 7]]), [0, 3, 7]
-    gains = set_scores.gains_with_one_more(sets, further)
-    assert gains[1, 2] == -np.inf  # a member already
-    for row, column in ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1)):
-        whole, _ = set_scores.gains(np.array([[*sets[row], further[column]]]))
-        assert gains[row, column] == pytest.approx(whole[0], rel=1e-8)
