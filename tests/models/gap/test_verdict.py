@@ -17,7 +17,6 @@ from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.verdict import (
     CameraNodes,
     Cause,
-    Check,
     Gap,
     PhaseShares,
     Unexplained,
@@ -146,10 +145,7 @@ def test_the_amended_simulator_has_the_estimates_within_their_bounds():
 def test_an_amended_file_is_a_simulator_and_has_the_origin_of_its_changes():
     text = amended_yaml(NOMINAL, VERDICT, "my_data")
     assert Simulator.from_dict(yaml.safe_load(text)) == amended(NOMINAL, VERDICT)
-    lines = text.splitlines()
-    note = lines[lines.index("wind: {x: 0.0, y: 0.3, z: 0.0}") - 1]
-    for part in ("wind.y: missing before", "my_data", "0.3", "0.29", "ambiguous", "drag.cd"):
-        assert part in note
+    assert "wind.y: missing before" in text
     assert "table_bounce.restitution: 0.92 before" in text
 
 
@@ -183,12 +179,3 @@ def test_an_error_of_the_cameras_is_part_of_the_amended_sensor_and_adds_to_one_b
     alone, both = (amended(one, second) for one in (NOMINAL, simulator))
     errors = [measured_positions(one, places) - places for one in (alone, both)]
     assert errors[0] + error == pytest.approx(errors[1], abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("interval", "passed"), [((0.9, 1.1), True), ((1.2, 1.6), True), ((1.5, 2.0), False)]
-)
-def test_a_check_fails_where_its_interval_is_outside_the_range(interval, passed):
-    check = Check(name="prediction", ratio=1.0, interval=interval, allowed=(0.8, 1.3))
-    assert check.passed == passed
-    assert VERDICT.model_copy(update={"checks": (check,)}).misfits == (() if passed else (check,))
