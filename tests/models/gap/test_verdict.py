@@ -27,13 +27,11 @@ from rallygap.models.gap.verdict import (
 from tests.models.gap.hidden import NOMINAL
 
 
-def cause(
-    identity, estimate, kind="missing_effect", nominal=0.0, possible=("drag.cd",), role="leading"
-):
+def cause(identity, estimate, nominal=0.0, possible=("drag.cd",), role="leading"):
     return Cause(
         identity=identity,
         role=role,
-        kind=kind,
+        kind="wrong_value" if nominal else "missing_effect",
         unit="1",
         nominal=nominal,
         estimate=estimate,
@@ -45,7 +43,7 @@ def cause(
 
 
 WIND = cause("wind.y", 0.3)
-RESTITUTION = cause("table_bounce.restitution", 0.9, kind="wrong_value", nominal=0.92)
+RESTITUTION = cause("table_bounce.restitution", 0.9, nominal=0.92)
 VERDICT = Verdict(
     verdict="ambiguous",
     causes=(WIND, RESTITUTION),
@@ -133,16 +131,13 @@ def test_reading_a_verdict_imports_no_inference():
     }
 
 
-def test_the_amended_simulator_has_the_estimates_within_their_bounds():
+def test_the_amended_simulator_and_its_file_have_the_estimates_within_their_bounds():
     simulator = amended(NOMINAL, VERDICT)
     assert simulator.effects["wind"] == {"x": 0.0, "y": 0.3, "z": 0.0}
     assert simulator.effects["table_bounce"] == {"restitution": 0.9, "friction": 0.25}
     assert simulator.effects["drag"] == NOMINAL.effects["drag"]
     far = VERDICT.model_copy(update={"causes": (cause("spin_decay.c", -0.1),)})
     assert amended(NOMINAL, far).effects["spin_decay"]["c"] == 0.0
-
-
-def test_an_amended_file_is_a_simulator_and_has_the_origin_of_its_changes():
     text = amended_yaml(NOMINAL, VERDICT, "my_data")
     assert Simulator.from_dict(yaml.safe_load(text)) == amended(NOMINAL, VERDICT)
     assert "wind.y: missing before" in text
