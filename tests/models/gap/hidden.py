@@ -4,6 +4,7 @@ import numpy as np
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.fit.measurement import Schedule, predict_measurements
+from rallygap.models.gap.fit.noise import Noise
 from rallygap.models.gap.fit.shots import Shots
 from rallygap.models.gap.hypotheses import hypotheses
 from rallygap.models.gap.settings import GapSettings
@@ -20,6 +21,7 @@ WITHOUT_MAGNUS = Simulator.from_dict(
     {name: values for name, values in NOMINAL.to_dict().items() if name != "magnus"}
 )
 RATE = 200.0
+NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))
 SETTINGS = GapSettings()
 
 

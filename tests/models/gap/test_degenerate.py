@@ -11,15 +11,7 @@ from rallygap.models.gap.diagnose import diagnose
 from rallygap.models.gap.fit.horizons import first_samples
 from tests.models.gap.hidden import NOMINAL, measured
 
-
-@pytest.fixture(scope="module")
-def shots():
-    return measured(count=6, seconds=0.4)
-
-
-@pytest.fixture(scope="module")
-def bare():
-    return measured(count=6, seconds=0.4, labels=None)
+SHOTS, BARE = (measured(count=6, seconds=0.4, labels=labels) for labels in ("rows", None))
 
 
 def checked(shots, simulator=NOMINAL):
@@ -34,8 +26,8 @@ def checked(shots, simulator=NOMINAL):
 
 
 @pytest.mark.parametrize("count", [1, 13])
-def test_few_samples(bare, count):
-    assert checked(first_samples(bare, count)).verdict == "no_gap"
+def test_few_samples(count):
+    assert checked(first_samples(BARE, count)).verdict == "no_gap"
 
 
 def test_no_noise_or_more_than_the_table():
@@ -44,21 +36,21 @@ def test_no_noise_or_more_than_the_table():
     assert checked(measured(count=6, seconds=0.4, noise=2.0)).causes == ()
 
 
-def test_equal_shots_balls_that_do_not_move_and_millimetres(shots, bare):
-    assert checked(shots[np.zeros(6, dtype=int)]).causes == ()
-    checked(replace(shots, positions=np.ones_like(shots.positions)))
-    checked(replace(bare, positions=1000 * bare.positions))
+def test_equal_shots_balls_that_do_not_move_and_millimetres():
+    assert checked(SHOTS[np.zeros(6, dtype=int)]).causes == ()
+    checked(replace(SHOTS, positions=np.ones_like(SHOTS.positions)))
+    checked(replace(BARE, positions=1000 * BARE.positions))
 
 
-def test_labels_in_some_shots_only_and_labels_that_cannot_be(shots):
+def test_labels_in_some_shots_only_and_labels_that_cannot_be():
     without = np.arange(6) % 2 == 0
-    times = np.where(without[:, None], np.nan, shots.label_times)
-    labels = np.where(without[:, None, None], np.nan, shots.labels)
-    assert checked(replace(shots, label_times=times, labels=labels)).verdict == "no_gap"
+    times = np.where(without[:, None], np.nan, SHOTS.label_times)
+    labels = np.where(without[:, None, None], np.nan, SHOTS.labels)
+    assert checked(replace(SHOTS, label_times=times, labels=labels)).verdict == "no_gap"
     for factor in (0.0, 100.0):
-        checked(replace(shots, labels=factor * shots.labels))
+        checked(replace(SHOTS, labels=factor * SHOTS.labels))
 
 
-def test_simulators_without_most_effects(shots, bare):
-    checked(shots, Simulator.from_dict({"gravity": {"g": 9.81}}))
-    checked(bare, Simulator.from_dict({}))
+def test_simulators_without_most_effects():
+    checked(SHOTS, Simulator.from_dict({"gravity": {"g": 9.81}}))
+    checked(BARE, Simulator.from_dict({}))

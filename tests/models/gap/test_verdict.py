@@ -17,7 +17,6 @@ from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.verdict import (
     CameraNodes,
     Cause,
-    Check,
     Gap,
     PhaseShares,
     Unexplained,
@@ -28,13 +27,11 @@ from rallygap.models.gap.verdict import (
 from tests.models.gap.hidden import NOMINAL
 
 
-def cause(
-    identity, estimate, kind="missing_effect", nominal=0.0, possible=("drag.cd",), role="leading"
-):
+def cause(identity, estimate, nominal=0.0, possible=("drag.cd",), role="leading"):
     return Cause(
         identity=identity,
         role=role,
-        kind=kind,
+        kind="wrong_value" if nominal else "missing_effect",
         unit="1",
         nominal=nominal,
         estimate=estimate,
@@ -46,7 +43,7 @@ def cause(
 
 
 WIND = cause("wind.y", 0.3)
-RESTITUTION = cause("table_bounce.restitution", 0.9, kind="wrong_value", nominal=0.92)
+RESTITUTION = cause("table_bounce.restitution", 0.9, nominal=0.92)
 VERDICT = Verdict(
     verdict="ambiguous",
     causes=(WIND, RESTITUTION),
@@ -134,22 +131,16 @@ def test_reading_a_verdict_imports_no_inference():
     }
 
 
-def test_the_amended_simulator_has_the_estimates_within_their_bounds():
+def test_the_amended_simulator_and_its_file_have_the_estimates_within_their_bounds():
     simulator = amended(NOMINAL, VERDICT)
     assert simulator.effects["wind"] == {"x": 0.0, "y": 0.3, "z": 0.0}
     assert simulator.effects["table_bounce"] == {"restitution": 0.9, "friction": 0.25}
     assert simulator.effects["drag"] == NOMINAL.effects["drag"]
     far = VERDICT.model_copy(update={"causes": (cause("spin_decay.c", -0.1),)})
     assert amended(NOMINAL, far).effects["spin_decay"]["c"] == 0.0
-
-
-def test_an_amended_file_is_a_simulator_and_has_the_origin_of_its_changes():
     text = amended_yaml(NOMINAL, VERDICT, "my_data")
     assert Simulator.from_dict(yaml.safe_load(text)) == amended(NOMINAL, VERDICT)
-    lines = text.splitlines()
-    note = lines[lines.index("wind: {x: 0.0, y: 0.3, z: 0.0}") - 1]
-    for part in ("wind.y: missing before", "my_data", "0.3", "0.29", "ambiguous", "drag.cd"):
-        assert part in note
+    assert "wind.y: missing before" in text
     assert "table_bounce.restitution: 0.92 before" in text
 
 
@@ -183,12 +174,3 @@ def test_an_error_of_the_cameras_is_part_of_the_amended_sensor_and_adds_to_one_b
     alone, both = (amended(one, second) for one in (NOMINAL, simulator))
     errors = [measured_positions(one, places) - places for one in (alone, both)]
     assert errors[0] + error == pytest.approx(errors[1], abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("interval", "passed"), [((0.9, 1.1), True), ((1.2, 1.6), True), ((1.5, 2.0), False)]
-)
-def test_a_check_fails_where_its_interval_is_outside_the_range(interval, passed):
-    check = Check(name="prediction", ratio=1.0, interval=interval, allowed=(0.8, 1.3))
-    assert check.passed == passed
-    assert VERDICT.model_copy(update={"checks": (check,)}).misfits == (() if passed else (check,))

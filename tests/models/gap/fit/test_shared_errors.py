@@ -94,20 +94,22 @@ def test_functions_have_the_covariance_of_the_field():
     assert np.quantile(np.abs(flat @ flat.T - expected), 0.99) < 0.03 * 0.004**2
 
 
-def distortion(shots, simulator=NOMINAL):
-    """The fit of shots about a simulator, and the position-dependent camera error that is found."""
-    fit = refit(shots, simulator, (), SETTINGS.fit)
-    evidence = evidence_about(fit, Question(simulator))
-    return fit, find_distortion(fit, Explainer(evidence, simulator))
+def distortion(shots, errors=None):
+    """The fit of shots, with errors of places, and the position-dependent error that is found."""
+    if errors:
+        shots = replace(shots, positions=shots.positions + errors(shots.positions))
+    fit = refit(shots, NOMINAL, (), SETTINGS.fit)
+    return fit, find_distortion(fit, Explainer(evidence_about(fit, Question(NOMINAL)), NOMINAL))
 
 
 def test_a_field_of_the_cameras_is_found_and_corrected():
     shots, errors = measured(count=50), field(0.003)
-    distorted = replace(shots, positions=shots.positions + errors(shots.positions))
-    fit, found = distortion(distorted)
+    fit, found = distortion(shots, errors)
     assert found.field.size == pytest.approx(0.003, rel=0.4)
     assert found.causes == ()
-    with_errors = refit(found.field.on(distorted, fit.fitted_places), NOMINAL, (), SETTINGS.fit)
+    with_errors = refit(
+        found.field.on(fit.linear.shots, fit.fitted_places), NOMINAL, (), SETTINGS.fit
+    )
     noise = with_errors.noise_estimate.noise
     assert noise.white == pytest.approx(0.003, rel=0.03)
     assert noise.slow < 0.0006
@@ -119,16 +121,12 @@ def test_a_field_of_the_cameras_is_found_and_corrected():
 
 
 def test_a_field_beside_a_cause_takes_no_place_of_it():
-    shots, errors = measured(NOMINAL.amended("drag", cd=0.55), count=40), field(0.003)
-    distorted = replace(shots, positions=shots.positions + errors(shots.positions))
-    fit, found = distortion(distorted)
+    fit, found = distortion(measured(NOMINAL.amended("drag", cd=0.55), count=40), field(0.003))
     assert [fit.linear.columns[k].identity for k in found.causes] == ["drag.cd"]
 
 
 def test_a_field_is_implausible_if_its_refit_is_at_the_bound():
-    shots, errors = measured(count=30), field(0.003)
-    distorted = replace(shots, positions=shots.positions + errors(shots.positions))
-    fit, found = distortion(distorted)
+    fit, found = distortion(measured(count=30), field(0.003))
     for largest in (0.05, 0.0015):
         bounded = replace(found.field.settings, sizes=(2e-4, largest))
         one = replace(found, field=replace(found.field, settings=bounded))
@@ -138,5 +136,4 @@ def test_a_field_is_implausible_if_its_refit_is_at_the_bound():
 
 def test_no_field_is_found_where_there_is_none_or_a_tilted_frame():
     assert distortion(measured(count=30))[1] is None
-    tilted = measured(NOMINAL.amended("frame_tilt", y=0.01), count=30)
-    assert distortion(tilted)[1] is None
+    assert distortion(measured(NOMINAL.amended("frame_tilt", y=0.01), count=30))[1] is None

@@ -19,16 +19,13 @@ def test_padding_repeats_the_last_sample_is_not_valid_and_shots_are_picked_by_ma
     assert (len(picked), picked.names.tolist(), picked.groups.tolist()) == (1, ["b"], ["y"])
 
 
-def test_a_label_repeated_in_every_row_is_one_measurement():
-    varying = np.array([[1.0, 2.0, 3.0], [1.0, 2.0, 4.0]])
-    shots = Shots.from_arrays(TIMES, PLACES, [np.tile([1.0, 2.0, 3.0], (3, 1)), varying])
+def test_a_label_in_every_row_is_one_measurement_and_rows_without_one_are_dropped():
+    repeated = np.tile([1.0, 2.0, 3.0], (3, 1))
+    varying, once = np.array([[[1.0, 2.0, 3.0], [1.0, 2.0, 4.0]], [[np.nan] * 3, [1.0, 2.0, 3.0]]])
+    shots = Shots.from_arrays(TIMES, PLACES, [repeated, varying])
     assert shots.labelled.tolist() == [[True, False], [True, True]]
     assert shots.label_times[0, 0] == 0.0
-
-
-def test_rows_without_a_label_are_dropped():
-    labels = [np.full((3, 3), np.nan), np.array([[np.nan] * 3, [1.0, 2.0, 3.0]])]
-    shots = Shots.from_arrays(TIMES, PLACES, labels)
+    shots = Shots.from_arrays(TIMES, PLACES, [np.full((3, 3), np.nan), once])
     assert shots.labelled.tolist() == [[False], [True]]
     assert shots.label_times[1, 0] == 5.1
 

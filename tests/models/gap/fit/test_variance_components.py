@@ -13,10 +13,11 @@ from rallygap.models.gap.hypotheses import hypotheses
 from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
 
 
-def found(shots, simulator=NOMINAL):
-    fit = fit_shots(shots, simulator, SETTINGS.fit)
-    linear = linearise(shots, simulator, fit.nuisance, hypotheses(simulator))
-    return estimate_noise(linear, fit.noise, fit.weights, SETTINGS.fit)
+def found(shots, *guess):
+    """The noise of shots, from the noise and weights of their fit or from a guess."""
+    fit = fit_shots(shots, NOMINAL, SETTINGS.fit)
+    linear = linearise(shots, NOMINAL, fit.nuisance, hypotheses(NOMINAL))
+    return estimate_noise(linear, *(guess or (fit.noise, fit.weights)), SETTINGS.fit)
 
 
 def test_noise_and_scatter_are_found():
@@ -41,12 +42,9 @@ def test_rounded_time_stamps_are_separated_from_white_noise():
 
 def test_a_guess_by_which_all_samples_are_outliers_is_corrected():
     shots = measured(count=20)
-    fit = fit_shots(shots, NOMINAL, SETTINGS.fit)
-    linear = linearise(shots, NOMINAL, fit.nuisance, hypotheses(NOMINAL))
-    guess, weights = Noise(white=1e-5, slow=1e-5), np.zeros_like(fit.weights)
-    known = estimate_noise(linear, guess, weights, SETTINGS.fit)
+    known = found(shots, Noise(white=1e-5, slow=1e-5), np.zeros(shots.times.shape))
     assert known.noise.white == pytest.approx(0.003, rel=0.1)
-    assert known.weights[linear.sampled].mean() > 0.9
+    assert known.weights[shots.valid].mean() > 0.9
 
 
 def test_a_missing_effect_is_neither_scatter_nor_slow_errors():

@@ -35,13 +35,13 @@ def parabolas(count=5, seed=0):
     return shots, start[:, 0], errors, bend
 
 
-def evidence_of(shots, states, columns=GRAVITY, simulator=None, noise=NOISE):
-    simulator = simulator or Simulator.from_dict({"gravity": {"g": 9.81}})
+def evidence_of(shots, states, columns=GRAVITY):
+    simulator = Simulator.from_dict({"gravity": {"g": 9.81}})
     nuisance = np.hstack([states, np.zeros((len(states), 3))])
     linear = linearise(shots, simulator, nuisance, columns)
     weights, shot_weights = np.ones(shots.times.shape), np.ones(len(shots))
-    total = gram_matrices(linear, noise, weights, shot_weights).total(noise)
-    return Evidence.of(linear, NoiseEstimate(noise, weights, shot_weights, total), SETTINGS)
+    total = gram_matrices(linear, NOISE, weights, shot_weights).total(NOISE)
+    return Evidence.of(linear, NoiseEstimate(NOISE, weights, shot_weights, total), SETTINGS)
 
 
 def test_gravity_without_air_has_its_closed_form():

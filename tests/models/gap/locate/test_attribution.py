@@ -11,9 +11,8 @@ from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.locate.attribution import Part, locate
 from rallygap.models.gap.settings import Question
 from rallygap.models.gap.verify.prediction_error import HeldOut
-from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
+from tests.models.gap.hidden import NOISE, NOMINAL, SETTINGS, measured
 
-NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))
 EXACT = Noise(white=1e-4, slow=1e-5, label=0.01, label_common=1e-3, scatter=(1e-3, 1e-3, 1e-3))
 
 

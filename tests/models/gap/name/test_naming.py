@@ -12,16 +12,9 @@ from rallygap.models.gap.diagnose import diagnose
 from rallygap.models.gap.fit.refit import refit
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.inference.score_test import Evidence
-from rallygap.models.gap.name import naming
 from rallygap.models.gap.name.label_readings import read_labels
 from rallygap.models.gap.name.missing_lift import lift_test
 from rallygap.models.gap.name.naming import name
-from rallygap.models.gap.name.selection import (
-    Explainer,
-    Explanation,
-    best_explanation,
-    evidence_about,
-)
 from rallygap.models.gap.settings import Question
 from tests.models.gap.hidden import NOMINAL, SETTINGS, WITHOUT_MAGNUS, listed, measured
 
@@ -65,32 +58,6 @@ def test_a_slow_clock_is_neither_gravity_nor_flipped_labels(labels):
     assert not found.readings.doubtful
     assert [cause.effect for cause in found.fit.free] == ["clock_rate"]
     assert found.simulator.to_dict()["clock_rate"]["d"] == pytest.approx(-0.18, abs=0.001)
-
-
-def test_implausible_values_are_not_confirmed():
-    """More lift than in the simulator would be a negative saturation."""
-    shots = measured(NOMINAL.amended("magnus", cm=0.15), count=20)
-    fit = refit(shots, NOMINAL, (), SETTINGS.fit)
-    explainer = Explainer(evidence_about(fit, Question(NOMINAL)), NOMINAL)
-    places = {column.identity: k for k, column in enumerate(explainer.evidence.columns)}
-    lift, saturation = (places[name] for name in ("magnus.cm", "lift_saturation.kappa"))
-    assert explainer.gain((saturation,)) == -np.inf
-    wrong, right = (Explanation((k,), {k: 0.0}) for k in (saturation, lift))
-    assert [cause.effect for cause in naming._confirmed(explainer, right, fit).free] == ["magnus"]
-    assert naming._confirmed(explainer, wrong, fit) is None
-
-
-def test_causes_that_shots_need_are_kept_whatever_is_proposed():
-    lift, saturation = Hypothesis("magnus", "cm"), Hypothesis("lift_saturation", "kappa")
-    truth = NOMINAL.amended("magnus", cm=0.15).amended("lift_saturation", kappa=15.0)
-    fit = refit(measured(truth, count=20), NOMINAL, (lift, saturation), SETTINGS.fit)
-
-    def one_cause(explainer, required):
-        return best_explanation(explainer, required, max(len(required), 1))
-
-    followed, _, explanation, stays = naming._followed(fit, Question(NOMINAL), (), one_cause)
-    assert stays and len(explanation.causes) == 2
-    assert set(followed.free) == {lift, saturation}
 
 
 def test_flipped_labels_are_found_together_with_a_cause():

@@ -24,21 +24,21 @@ G, CD, X, Y, Z, B = range(6)
 LEVEL = 0.003
 
 
-def explainer(effect, seed=0, shots=60, of_drag=0.0):
+def weighed(columns, listed, rows, measured):
+    """An explainer of measurements in unit noise by (B, R, K) rows."""
+    scores, information = np.einsum("bri,br->bi", rows, measured), np.swapaxes(rows, 1, 2) @ rows
+    return Explainer(Evidence(columns, listed, scores, information, SETTINGS), NOMINAL)
+
+
+def explainer(seed=0, of_drag=0.0, **effect):
     """A world of 10 measurements a shot; B is G, or of CD, too, and X is Y + Z, nearly."""
     random = np.random.default_rng(seed)
-    rows = random.standard_normal((shots, 10, 6))
+    rows = random.standard_normal((60, 10, 6))
     rows[..., B] = 2 * rows[..., G] + of_drag * rows[..., CD]
     rows[..., X] = rows[..., Y] + rows[..., Z] + 0.05 * rows[..., X]
-    measured = rows @ np.asarray(effect, dtype=float) + random.standard_normal((shots, 10))
-    scores = np.einsum("bri,br->bi", rows, measured)
-    listed = np.array([one.listed(NOMINAL) for one in COLUMNS])
-    evidence = Evidence(COLUMNS, listed, scores, np.swapaxes(rows, 1, 2) @ rows, SETTINGS)
-    return Explainer(evidence, NOMINAL)
-
-
-def effect(**values):
-    return [values.get(name, 0.0) for name in ("g", "cd", "x", "y", "z", "b")]
+    values = np.array([effect.get(name, 0.0) for name in ("g", "cd", "x", "y", "z", "b")])
+    measured = rows @ values + random.standard_normal((60, 10))
+    return weighed(COLUMNS, np.array([one.listed(NOMINAL) for one in COLUMNS]), rows, measured)
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def effect(**values):
     ],
 )
 def test_the_fewest_causes_that_suffice_are_found(world, of_drag, causes):
-    weighing = explainer(effect(**world), of_drag=of_drag)
+    weighing = explainer(of_drag=of_drag, **world)
     assert best_explanation(weighing).causes == causes
     if causes == (G,):
         assert weighing.absorbed == (B,)
@@ -68,14 +68,14 @@ def test_the_fewest_causes_that_suffice_are_found(world, of_drag, causes):
 
 
 def test_no_cause_is_found_by_chance_or_by_one_shot():
-    assert all(best_explanation(explainer(effect(), seed)).causes == () for seed in range(15))
-    weighing = explainer(effect())
+    assert all(best_explanation(explainer(seed)).causes == () for seed in range(15))
+    weighing = explainer()
     weighing.evidence.scores[7, Y] += 120.0
     assert best_explanation(weighing).causes == ()
 
 
 def test_two_causes_are_found_with_their_sizes():
-    weighing = explainer(effect(y=0.4, cd=-0.3))
+    weighing = explainer(y=0.4, cd=-0.3)
     found = best_explanation(weighing)
     assert found.causes == (CD, Y)
     assert max(found.p_values.values()) < LEVEL
@@ -84,26 +84,26 @@ def test_two_causes_are_found_with_their_sizes():
 
 
 def test_alternatives_explain_as_much_in_the_place_of_a_cause():
-    weighing = explainer(effect(g=0.5, z=1.0))
+    weighing = explainer(g=0.5, z=1.0)
     assert best_explanation(weighing).causes == (G, Z)
     assert weighing.alternatives(G, (G, Z)) == (G, B)
     assert weighing.alternatives(Z, (G, Z)) == (Z,)
 
 
 def test_implausible_values_explain_nothing():
-    weighing = explainer(effect(cd=-0.9))
+    weighing = explainer(cd=-0.9)
     assert weighing.set_scores.gains(np.array([[CD]]))[0][0] == -np.inf
     assert weighing.set_scores.gains(np.array([[Y]]))[0][0] > -np.inf
 
 
 def test_refitted_causes_may_be_collinear():
-    weighing = explainer(effect(x=6.0, y=-6.5, z=-5.0))
+    weighing = explainer(x=6.0, y=-6.5, z=-5.0)
     assert best_explanation(weighing).causes == (X, Y)
     assert best_explanation(replace(weighing, refitted=(X, Y, Z))).causes == (X, Y, Z)
 
 
 def test_a_known_cause_that_the_shots_see_nothing_of_is_not_significant():
-    blind = explainer(effect(y=0.4))
+    blind = explainer(y=0.4)
     blind.evidence.scores[:, Z] = 0.0
     blind.evidence.information[:, Z] = blind.evidence.information[:, :, Z] = 0.0
     found = best_explanation(blind, required=(Z,))
@@ -122,11 +122,7 @@ def random_world(causes, columns=40, shots=60, seed=0):
     values = np.isin(np.arange(columns), causes) * 10 * errors
     measured = rows @ values + random.standard_normal((shots, 10))
     names = tuple(Hypothesis("wind", "xyz"[k % 3]) for k in range(columns))
-    listed = np.zeros(columns, dtype=bool)
-    evidence = Evidence(
-        names, listed, np.einsum("bri,br->bi", rows, measured), information, SETTINGS
-    )
-    return Explainer(evidence, NOMINAL)
+    return weighed(names, np.zeros(columns, dtype=bool), rows, measured)
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -134,13 +130,3 @@ def test_twenty_causes_are_all_found_and_no_other(seed):
     causes = tuple(range(1, 40, 2))
     weighing = random_world(causes, seed=seed)
     assert best_explanation(weighing, most=25).causes == causes
-
-
-def test_sets_grow_by_what_they_gain_with_one_more():
-    set_scores = random_world((1, 2, 3)).set_scores
-    sets, further = np.array([[1, 5], [2, 7]]), [0, 3, 7]
-    gains = set_scores.gains_with_one_more(sets, further)
-    assert gains[1, 2] == -np.inf  # a member already
-    for row, column in ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1)):
-        whole, _ = set_scores.gains(np.array([[*sets[row], further[column]]]))
-        assert gains[row, column] == pytest.approx(whole[0], rel=1e-8)

@@ -30,12 +30,9 @@ def test_an_effect_that_is_not_in_the_catalogue_is_unexplained(tilted):
     assert " x]" in left.candidate_formula
 
 
-def test_an_effect_of_the_catalogue_is_explained(tilted):
-    assert find_unexplained(tilted, Question(NOMINAL)).p_value > 0.003
-
-
-def test_the_catalogue_explains_three_shots():
-    assert find_unexplained(fitted(NOMINAL, 0, count=3), Question(NOMINAL)).p_value > 0.003
+def test_the_catalogue_explains_its_effects_and_three_shots(tilted):
+    for one in (tilted, fitted(NOMINAL, 0, count=3)):
+        assert find_unexplained(one, Question(NOMINAL)).p_value > 0.003
 
 
 @pytest.mark.slow

@@ -5,14 +5,12 @@ import pytest
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.fit.horizons import first_samples
-from rallygap.models.gap.fit.noise import Noise
 from rallygap.models.gap.fit.refit import fit_nuisance
 from rallygap.models.gap.verify.bootstrap import interval, resampled, root_mean_squares
 from rallygap.models.gap.verify.landing import landings
 from rallygap.models.gap.verify.prediction_error import Errors, HeldOut, gap
-from tests.models.gap.hidden import NOMINAL, SETTINGS, measured
+from tests.models.gap.hidden import NOISE, NOMINAL, SETTINGS, measured
 
-NOISE = Noise(white=0.003, slow=1e-5, label=0.05, label_common=1e-3, scatter=(0.01, 0.02, 0.005))
 WRONG = NOMINAL.amended("drag", cd=0.2)
 FALLING = Simulator.from_dict(
     {"gravity": {"g": 9.81}, "table_bounce": {"restitution": 0.9, "friction": 0.2}}
