@@ -10,25 +10,24 @@ from rallygap.pipeline.profiles import merged
 TARGET, CHANGED = "train_predictor", "segment.outlier_cost"
 
 
+def small_clone(folder):
+    """Make a repository with the smallest parameters."""
+    cloned(folder)
+    params = read_yaml(folder / "params.yaml")
+    params = merged(params, read_yaml(folder / "experiments" / "profiles" / "smoke.yaml"))
+    (folder / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))
+    commit(folder, "small")
+    return folder
+
+
 @pytest.fixture(scope="session")
 def experiments(tmp_path_factory):
-    """A clone with small parameters, run up to the target as `base` and `strict`; `base` stays."""
-    folder = cloned(tmp_path_factory.mktemp("comparing") / "rallygap")
-    small = merged(
-        read_yaml(folder / "params.yaml"), read_yaml(folder / "experiments/profiles/smoke.yaml")
-    )
-    (folder / "params.yaml").write_text(yaml.safe_dump(small, sort_keys=False))
-    commit(folder, "small")
+    """A small clone, run up to the target as `base` and `strict`; `base` stays."""
+    folder = small_clone(tmp_path_factory.mktemp("comparing") / "rallygap")
     run(folder, "dvc", "exp", "run", "--name", "base", "score_segmentation", TARGET)
     commit(folder, "run")
     command = ["dvc", "exp", "run", "--temp", "--name", "strict", "-S"]
-    changed = f"../params.yaml:{CHANGED}=4.0"  # DVC knows params.yaml only where it is
-    run(
-        folder,
-        *command,
-        changed,
-        "../dvc.yaml:score_segmentation",
-        f"../dvc.yaml:{TARGET}",
-        below="docs",
-    )
+    command += [f"../params.yaml:{CHANGED}=4.0"]  # DVC knows params.yaml only where it is
+    targets = ["../dvc.yaml:score_segmentation", f"../dvc.yaml:{TARGET}"]
+    run(folder, *command, *targets, below="docs")
     return folder

@@ -63,9 +63,9 @@ def write_inputs(root, shots=(), sources=tuple(SPIN)):
     write_trained(root, "tiny")
 
 
-def write_trained(root, name, **changes):
-    """Save an untrained network as if it had been trained."""
-    made = network(TINY)
+def write_trained(root, name, seed=0, **changes):
+    """Save an untrained network as if it had been trained; return where it is."""
+    made = network(TINY, seed)
     counts = {"episodes": 1, "windows": 1, "validation_episodes": 1}
     described = TrainedPredictor(
         name=name,
@@ -77,6 +77,7 @@ def write_trained(root, name, **changes):
     )
     folder = root / "artifacts" / "train_predictor" / name
     save_predictor(folder, made, Spread(), described.model_copy(update=changes))
+    return folder
 
 
 def shot_tables(place, number, **changes):
@@ -104,37 +105,13 @@ def shot_tables(place, number, **changes):
 
 def source_record(name, spin):
     """What the manifest says of a source."""
-    return {
-        "name": name,
-        "spin": spin,
-        "kind": "cannon",
-        "licence": "made for this test",
-        "note": "made for this test",
-        "rate_hz": 200.0,
-        "recordings": 3,
-        "launches": 0,
-        "rows_read": 303,
-        "rows_kept": 303,
-        "rows_refused": {},
-        "labels_refused": {},
-        "files": [],
-    }
+    described = {"name": name, "kind": "cannon", "spin": spin, "licence": "made up", "note": ""}
+    counts = {"rate_hz": 200.0, "recordings": 3, "launches": 0, "rows_read": 303, "rows_kept": 303}
+    return {**described, **counts, "rows_refused": {}, "labels_refused": {}, "files": []}
 
 
 def _episode(recording, name):
-    return {
-        "episode_id": name,
-        "recording_id": recording,
-        "source": recording.split("/")[0],
-        "start": 0.0,
-        "end": TIMES[-1],
-        "starts_with": "launch",
-        "ends_with": "recording",
-        "samples": len(TIMES),
-        "outliers": 0,
-        "bounces": 1,
-        "residual": 0.003,
-        "unbroken": True,
-        "split": "test",
-        "replay_set": "none",
-    }
+    place = {"episode_id": name, "recording_id": recording, "source": recording.split("/")[0]}
+    ends = {"start": 0.0, "end": TIMES[-1], "starts_with": "launch", "ends_with": "recording"}
+    counts = {"samples": len(TIMES), "outliers": 0, "bounces": 1, "residual": 0.003}
+    return {**place, **ends, **counts, "unbroken": True, "split": "test", "replay_set": "none"}

@@ -4,20 +4,15 @@
 """
 
 import json
-import os
-import signal
-import subprocess
-import sys
 import time
-from contextlib import contextmanager
 from urllib.parse import quote
 
 import pytest
 from selenium.webdriver.support.wait import WebDriverWait
 
 from tests.pipeline.example_experiments import CHANGED
-from tests.pipeline.runs import runs
-from tests.services import PATIENCE, await_answer, free_port
+from tests.pipeline.runs import runs, served_pages
+from tests.services import PATIENCE
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
@@ -26,29 +21,9 @@ LEFT = "document.querySelectorAll('*').forEach(one => { one.scrollLeft = 0; })"
 FOLDED = "//*[@role='button'][.='Visualizations' or .='Run details']"
 
 
-@contextmanager
-def served(repository):
-    """The address of the server that `rallygap ui` starts."""
-    port = free_port()
-    command = [sys.executable, "-c", "from rallygap.pipeline.cli import main; main()", "ui"]
-    environment = {**os.environ, "PYTHONPATH": str(repository)}
-    environment.pop("MLFLOW_TRACKING_URI", None)
-    server = subprocess.Popen(
-        [*command, "--port", str(port)], cwd=repository, env=environment,
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
-    )  # fmt: skip
-    address = f"http://127.0.0.1:{port}"
-    try:
-        await_answer(f"{address}/health")
-        yield address
-    finally:
-        os.killpg(server.pid, signal.SIGKILL)
-        server.wait()
-
-
 @pytest.fixture(scope="module")
 def server(experiments):
-    with served(experiments) as address:
+    with served_pages(experiments, experiments) as (address, _):
         yield address
 
 

@@ -9,11 +9,10 @@ from contextlib import contextmanager, suppress
 from types import SimpleNamespace
 
 import pytest
-import yaml
 
-from experiments.clone import ROOT, cloned, commit, environment, run
+from experiments.clone import ROOT, environment, run
 from rallygap.pipeline.params import read_yaml
-from rallygap.pipeline.profiles import merged
+from tests.pipeline.example_experiments import small_clone
 from tests.services import await_answer, free_port
 
 pytestmark = pytest.mark.slow
@@ -43,7 +42,7 @@ def day(tmp_path_factory):
     """A repository after the commands, while its pages are still served."""
     home = tmp_path_factory.mktemp("day")
     mine, own, lab = home / "mine", home / "own.git", home / "lab"
-    small(mine)
+    small_clone(mine)
     run(home, "git", "init", "--quiet", "--bare", "--initial-branch=main", str(own))
     port = free_port()
     environment_of(mine, port)
@@ -59,15 +58,6 @@ def placed(line, places):
     for name, path in places.items():
         line = line.replace(name, shlex.quote(str(path)))
     return line
-
-
-def small(folder):
-    """Make a repository with the smallest parameters."""
-    cloned(folder)
-    params = read_yaml(folder / "params.yaml")
-    params = merged(params, read_yaml(folder / "experiments" / "profiles" / "smoke.yaml"))
-    (folder / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))
-    commit(folder, "small")
 
 
 def environment_of(folder, port):

@@ -9,12 +9,7 @@ STAGES = read_yaml(ROOT / "dvc.yaml")["stages"]
 
 SEALED = {"artifacts/ingest/truth.json", "artifacts/ingest/true_contacts.parquet"}
 # What knows the physics by name (the oracle), scores, or continues a ball after a stroke.
-MAY_KNOW = {
-    "evaluate_predictor",
-    "score_segmentation",
-    "sim2real",
-    "retrain_policy",
-}
+MAY_KNOW = {"evaluate_predictor", "score_segmentation", "sim2real", "retrain_policy"}
 
 
 def test_only_the_stages_that_may_know_the_truth_depend_on_it():

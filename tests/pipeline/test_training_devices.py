@@ -76,7 +76,9 @@ def test_shares_of_a_batch_are_the_batch(batch):
     """Be it whole, odd, or of one window, as the last one may be."""
     whole, *shares = [data(changed(BRIEF, batch=batch)) for _ in range(3)]
     for rank, share in enumerate(shares):
-        share.trainer = Ranked(rank)
+        here = SimpleNamespace(root_device=torch.device("cpu"))
+        ranked = {"global_rank": rank, "world_size": 2, "current_epoch": 0, "strategy": here}
+        share.trainer = SimpleNamespace(**ranked)
     loaders = [one.train_dataloader() for one in (whole, *shares)]
     assert len({len(loader) for loader in loaders}) == 1
     for batch_of_all, *parts in zip(*loaders, strict=True):
@@ -84,15 +86,6 @@ def test_shares_of_a_batch_are_the_batch(batch):
             together = torch.empty_like(column)
             together[0::2], together[1::2] = columns
             assert torch.equal(together, column)
-
-
-class Ranked:
-    """A trainer that is one of two."""
-
-    current_epoch, world_size = 0, 2
-
-    def __init__(self, rank):
-        self.global_rank, self.strategy = rank, SimpleNamespace(root_device=torch.device("cpu"))
 
 
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="needs a GPU")

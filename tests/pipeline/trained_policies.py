@@ -13,17 +13,9 @@ from tests.models.policy.schooling import BRIEF, GOALS, drawn_policy
 def description(**changes):
     """What a small policy for landing goals, trained in simulator C, belongs to."""
     simulator = changes.get("simulator", "imperfect_c")
-    plain = {
-        "group": "small",
-        "simulator": simulator,
-        "effects": shipped(simulator).to_dict(),
-        "horizons": (115, 120, 125),
-        "observation": "intercept",
-        "goals": GOALS,
-        "learning": BRIEF,
-        "seed": 3,
-        "repeat": 0,
-    }
+    plays = {"group": "small", "simulator": simulator, "effects": shipped(simulator).to_dict()}
+    seen = {"horizons": (115, 120, 125), "observation": "intercept", "goals": GOALS}
+    plain = {**plays, **seen, "learning": BRIEF, "seed": 3, "repeat": 0}
     return TrainedPolicy(**{**plain, **changes})
 
 

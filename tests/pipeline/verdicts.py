@@ -48,23 +48,9 @@ GAP = Gap(
     after_interval_mm=((4.5, 5.5), (7.0, 9.0), (10.5, 14.0)),
     reduction_mm=(12.0, 18.0),
 )
-SPEEDS = np.array([5.0, 7.0, 9.0])
-
-
-def growth(covariate="speed at launch", kinds=(), p_value=2e-4, centres=SPEEDS):
-    """Made-up growth: 1 mm along, 2 across and 3 up a bin."""
-    means = 0.001 * np.outer(np.arange(len(centres)), [1, 2, 3])
-    return Growth(
-        covariate=covariate,
-        unit="" if kinds else "m/s",
-        centres=centres,
-        kinds=kinds,
-        means=means,
-        margins=np.full(means.shape, 5e-4),
-        share=0.4,
-        p_value=p_value,
-    )
-
+MEANS = 0.001 * np.outer(range(3), [1, 2, 3])  # 1 mm along, 2 across and 3 up a bin
+MARGINS = np.full(MEANS.shape, 5e-4)
+SPEEDS, SIDES = np.array([5.0, 7.0, 9.0]), ("towards −y", "towards +y")
 
 LOCATED = Located(
     horizons=np.array([0.1, 0.2, 0.3]),
@@ -75,11 +61,11 @@ LOCATED = Located(
         "sensor": np.array([0.0, 0.0, 0.25]),
     },
     of_causes={"wind.x": np.array([1.0, 0.9, 0.8])},
-    means=growth().means,
-    margins=growth().margins,
+    means=MEANS,
+    margins=MARGINS,
     growth=(
-        growth(),
-        growth("direction of play", ("towards −y", "towards +y"), 0.3, np.array([0.0, 1.0])),
+        Growth("speed at launch", "m/s", SPEEDS, (), MEANS, MARGINS, 0.4, 2e-4),
+        Growth("direction of play", "", np.arange(2.0), SIDES, MEANS[:2], MARGINS[:2], 0.4, 0.3),
     ),
     trend_horizon=0.3,
 )

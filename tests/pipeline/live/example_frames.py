@@ -1,5 +1,7 @@
 """A ball that is thrown, its measurements, and frames as the loop hands them to the view."""
 
+from unittest.mock import Mock
+
 import numpy as np
 
 from rallygap.models.ball.simulators import shipped
@@ -23,16 +25,6 @@ ALARM = Alarm(
 )
 
 
-class Watched:
-    """A watch for drift that has come to its end."""
-
-    def __init__(self, alarm):
-        self.alarm = alarm
-
-    def observe(self, row, seen, ball):
-        pass
-
-
 def rows(count=40, lost=()):
     """Measurements of one ball; frames after them without a ball, at these times."""
     for k in range(count):
@@ -47,7 +39,7 @@ def frames(measurements, alarm=None, latencies=None):
     forecast_each(
         measurements,
         Forecaster(TRUTH),
-        Watched(alarm),
+        Mock(alarm=alarm),
         lambda message: None,
         latencies or Latencies(),
         shown.append,

@@ -3,11 +3,11 @@
 import json
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
 import urllib.request
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -27,29 +27,12 @@ EXPECTED = Expected(0.002, (0.0, -120.0, 0.0), (40.0, 300.0, 90.0))
 LIVE = ["live", "--simulator", "literature"]
 
 
-def free_addresses(count):
-    taken = [socket.create_server(("127.0.0.1", 0)) for _ in range(count)]
-    addresses = [f"tcp://127.0.0.1:{one.getsockname()[1]}" for one in taken]
-    for one in taken:
-        one.close()
-    return addresses
-
-
-@pytest.fixture
-def recordings(tmp_path):
-    for k in range(2):
-        table = pd.DataFrame(np.column_stack([TIMES, PLACES]), columns=["t", "x", "y", "z"])
-        table.to_csv(tmp_path / f"ball_{k}.csv", index=False)
-    return tmp_path
-
-
-def ignoring_interrupts():
-    """As a shell starts a job in the background."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def free_address():
+    return f"tcp://127.0.0.1:{free_port()}"
 
 
 def test_a_robot_and_a_viewer_get_forecasts_of_what_a_camera_server_measures():
-    (observations, forecasts), port = free_addresses(2), free_port()
+    observations, forecasts, port = free_address(), free_address(), free_port()
     words = [*LIVE, "--observations", observations, "--forecasts", forecasts]
     words += ["--view", "--view-port", str(port)]
     hidden = {"DISPLAY", "WAYLAND_DISPLAY", "BROWSER"}
@@ -59,7 +42,7 @@ def test_a_robot_and_a_viewer_get_forecasts_of_what_a_camera_server_measures():
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=ignoring_interrupts,
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_IGN),  # as a job of a shell
         env=known,
     )
     context = zmq.Context()
@@ -114,9 +97,12 @@ def test_the_end_of_a_service_stops_forecasts_as_ctrl_c_does(stop):
     assert signal.getsignal(stop) == before
 
 
-def test_recordings_are_replayed_and_latencies_shown(recordings):
-    words = [*LIVE, "--replay", str(recordings), "--speed", "1000"]
-    result = CliRunner().invoke(app, [*words, "--forecasts", free_addresses(1)[0]])
+def test_recordings_are_replayed_and_latencies_shown(tmp_path):
+    for k in range(2):
+        table = pd.DataFrame(np.column_stack([TIMES, PLACES]), columns=["t", "x", "y", "z"])
+        table.to_csv(tmp_path / f"ball_{k}.csv", index=False)
+    words = [*LIVE, "--replay", str(tmp_path), "--speed", "1000"]
+    result = CliRunner().invoke(app, [*words, "--forecasts", free_address()])
     assert result.exit_code == 0, result.output
     assert "120 frames" in result.output
 
@@ -131,13 +117,12 @@ def test_expected_balls_are_those_of_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("words", "problem"),
     [
-        (["--view", "--view-port", "0"], "--view-port: 0 is no port; give one from 1 to 65535"),
         (["--observations", "nowhere"], "--observations, nowhere: cannot be used"),
         (["--forecasts", "nowhere"], "--forecasts, nowhere: cannot be used"),
     ],
 )
 def test_an_address_that_is_none_is_one_line(words, problem):
-    free = [] if "--forecasts" in words else ["--forecasts", free_addresses(1)[0]]
+    free = [] if "--forecasts" in words else ["--forecasts", free_address()]
     result = CliRunner().invoke(app, [*LIVE, *words, *free])
     assert isinstance(result.exception, InputError)
     assert str(result.exception).startswith(problem)

@@ -11,7 +11,6 @@ from rallygap.models.live.forecaster import Forecaster
 from rallygap.pipeline.live.latency import Latencies, summary
 from rallygap.pipeline.live.messages import (
     MessageError,
-    alarm_sentence,
     ball_forecast,
     forecast_message,
     measurements,
@@ -60,27 +59,21 @@ def test_recordings_follow_one_another_on_one_clock():
     assert time.monotonic() - start >= 0.1
 
 
-def test_a_forecast_has_states_errors_and_the_bounce():
+def test_a_forecast_has_states_errors_the_bounce_and_the_alarm():
     forecaster = Forecaster(TRUTH)
-    assert json.loads(forecast_message(0, "used", None))["states"] is None
+    none = json.loads(forecast_message(0, "used", None))
+    assert none["states"] is none["drift"] is None
     times = 2.0 + 0.005 * np.arange(30)
     for t, state in zip(times, TRUTH.fly(FIRST, times - 2.0).states[0], strict=True):
         forecaster.observe(t, state[:3])
-    message = json.loads(forecast_message(29, "used", ball_forecast(forecaster)))
+    message = json.loads(forecast_message(29, "used", ball_forecast(forecaster), ALARM))
+    assert message["drift"]["identity"] == "wind.x"
     assert message["time"] == round(times[-1] * 1e9)
     true = TRUTH.fly(FIRST, times[-1] - 2.0 + np.array(message["ahead"])).states[0]
     assert np.array(message["states"])[:, :3] == pytest.approx(true[:, :3], abs=0.05)
     assert np.shape(message["position_errors"]) == (30, 3)
     contact = TRUTH.fly(FIRST, np.arange(0.0, 1.0, 0.005)).contacts.time[0, 0]
     assert message["bounce"]["time"] == pytest.approx((2.0 + contact) * 1e9, abs=3e7)
-
-
-def test_an_alarm_is_said_and_published():
-    message = alarm_sentence(ALARM)
-    assert "wind.x (the air moves) has changed by +0.31 m/s (standard error 0.04)" in message
-    assert "in the last 14 shots. Not separable from frame_tilt.x." in message
-    assert '"drift": {"identity": "wind.x"' in forecast_message(1, "used", None, ALARM)
-    assert '"drift": null' in forecast_message(1, "used", None)
 
 
 def test_percentiles_are_right_to_a_hundredth_of_a_millisecond():

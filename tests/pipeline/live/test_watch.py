@@ -1,6 +1,7 @@
 """The watch collects shots, has them looked at by another process, and tells what has changed."""
 
 import time
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -22,40 +23,19 @@ def watched(watch, count):
     return forecaster.ball
 
 
-class Worker:
-    """Answers every shot at once."""
-
-    def __init__(self, answer):
-        self.answer, self.shots = answer, []
-
-    def submit(self, function, shot):
-        self.shots.append(shot)
-        return self
-
-    def done(self):
-        return True
-
-    def result(self):
-        return self.answer
-
-
-def test_each_ball_is_a_shot_once_the_next_one_has_come(monkeypatch):
-    watch, worker = Watch(TRUTH, print), Worker(None)
+def test_each_ball_is_a_shot_once_the_next_one_has_come_until_an_alarm_ends_the_watch(monkeypatch):
+    told, worker = [], Mock()
+    worker.submit.return_value.result.side_effect = [None, ALARM]
+    watch = Watch(TRUTH, told.append)
     monkeypatch.setattr(watch, "_worker", worker)
-    watched(watch, 3)
-    assert len(worker.shots) == 2
-    for number, (times, positions, spins) in enumerate(worker.shots):
+    watched(watch, 5)
+    assert (watch.alarm, told) == (ALARM, [ALARM])
+    shots = [call.args[1] for call in worker.submit.call_args_list]
+    assert len(shots) == 2
+    for number, (times, positions, spins) in enumerate(shots):
         assert times == pytest.approx(number + TIMES, abs=1e-9)
         assert positions == pytest.approx(PLACES)
         assert np.isfinite(spins[:, 0]).nonzero()[0].tolist() == [0]
-
-
-def test_the_first_alarm_ends_the_watch(monkeypatch):
-    told = []
-    watch = Watch(TRUTH, told.append)
-    monkeypatch.setattr(watch, "_worker", Worker(ALARM))
-    watched(watch, 4)
-    assert (watch.alarm, told) == (ALARM, [ALARM])
 
 
 def test_the_other_process_takes_shots():

@@ -33,10 +33,7 @@ def fresh(program, **environment):
     return done.stdout.splitlines()
 
 
-def test_libraries_use_one_thread_and_nothing_wider_than_avx2():
+def test_libraries_use_one_thread_and_nothing_wider_than_avx2_but_what_a_user_sets():
     assert fresh(LOADED) == ["[]", "{('Haswell', 1)}", "AVX2"]
-
-
-def test_who_sets_another_arithmetic_keeps_it():
     program = "import os, rallygap.stages; print(os.environ['OPENBLAS_CORETYPE'])"
     assert fresh(program, OPENBLAS_CORETYPE="Zen") == ["Zen"]

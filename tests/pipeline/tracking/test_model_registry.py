@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 import torch
 
-from rallygap.models.predictors.spread import Spread
-from rallygap.pipeline.predictors.storage import read_description, save_predictor
 from rallygap.pipeline.runtime.provenance import Provenance
 from rallygap.pipeline.tracking.model_registry import register_model
 from rallygap.pipeline.tracking.recording import recorded
@@ -18,14 +16,6 @@ from rallygap.pipeline.tracking.served_model import ServedPredictor
 from tests.models.predictors.small_training import network
 from tests.pipeline.measured_shots import write_trained
 from tests.pipeline.trained_policies import save_drawn
-
-
-def trained(root, seed):
-    """An untrained network, written as the stage writes a trained one."""
-    write_trained(root, "small")
-    folder = root / "artifacts" / "train_predictor" / "small"
-    save_predictor(folder, network(seed=seed), Spread(), read_description(folder))
-    return folder
 
 
 def predictor(folder, loss, balls):
@@ -42,7 +32,7 @@ def store(tmp_path_factory, empty_store):
     mlflow.set_experiment("models")
     with mlflow.start_run():
         for seed, (loss, balls) in enumerate([(3.0, "a"), (2.0, "a"), (1.0, "b")]):
-            register_model(predictor(trained(folder, seed), loss, balls))
+            register_model(predictor(write_trained(folder, "small", seed), loss, balls))
     yield mlflow.MlflowClient(uri), uri, folder
     mlflow.set_tracking_uri(None)
 
