@@ -1,6 +1,5 @@
 """Figures and tables of the exam show the numbers that follow from its records."""
 
-from experiments.report.answers import answer_rows
 from experiments.report.exam import confusion_figure, effect_table, items
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.web.report_items import ReportTable
@@ -38,11 +37,3 @@ def test_effects_have_their_marks_at_3_detection_limits():
     (row,) = effect_table(given, RALLYGAP).table.to_dict("records")
     expected = {"hidden": "wind.x", "trials": 3, "distinguishable": 2, "solved": 2, "right": 2}
     assert row == row | expected | {"missed": 1, "wrong": 0, "not_posed": 1}
-
-
-def test_answers_list_causes_with_their_alternatives():
-    possible = ("wind.x", "frame_tilt.x")
-    ambiguous = answer("ambiguous", named(estimate=0.31234, possible=possible))
-    table = answer_rows([record(hidden(), answers=ambiguous), record(answers=MISSED)], [RALLYGAP])
-    assert table["hidden"].tolist() == ["wind.x=0.3", "nothing"]
-    assert table["causes"].tolist() == ["wind.x=0.3123 (or frame_tilt.x)", ""]
