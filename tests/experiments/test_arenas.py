@@ -10,9 +10,8 @@ from experiments.arenas import arena_result
 from rallygap.models.arena.truth import draw_truth
 from rallygap.pipeline.gap import cases
 from rallygap.pipeline.runtime.stage_run import StageRun
-from tests.experiments.made_up import cause, found
+from tests.experiments.made_up import cause, few_balls, found
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_HYBRID, changed
-from tests.pipeline.measured_shots import params
 
 CAUSES = pd.DataFrame(
     [
@@ -35,16 +34,7 @@ MEANS = {
     "oracle": 20.0,
 }
 ERRORS = pd.DataFrame({"predictor": MEANS.keys(), "horizon_ms": 300, "mean": MEANS.values()})
-
-FEW = params().ingest.arena.model_copy(update={"game_episodes": 40, "cannon_shots": 40})
-SHORT = {
-    "networks": {"transformer": TINY, "hybrid": TINY_HYBRID},
-    "training": changed(BRIEF, epochs=1),
-}
-SMALL = params(
-    ingest=params().ingest.model_copy(update={"arena": FEW}),
-    train_predictor=params().train_predictor.model_copy(update=SHORT),
-)
+SMALL = few_balls({"transformer": TINY, "hybrid": TINY_HYBRID}, changed(BRIEF, epochs=1))
 
 
 def test_an_arena_has_causes_and_errors_and_another_run_at_once_does_not_disturb_it(

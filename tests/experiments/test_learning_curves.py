@@ -6,7 +6,6 @@ import pytest
 
 import experiments.stages.learning_curves as run
 from experiments.learning_curves import Errors, Learner, curve_rows, subsets
-from experiments.report.forecasts import learning_curves_figure
 from rallygap.models.ball.simulators import shipped
 from rallygap.pipeline.runtime.stage_run import StageRun
 from tests.models.predictors.small_training import BRIEF, TINY
@@ -98,13 +97,3 @@ def test_intervals_have_the_spread_of_windows_and_of_draws():
     assert width["oracle"] == pytest.approx(2 * 1.96 * 20 * 0.3 / np.sqrt(120), rel=0.3)
     # Three draws that differ by half; t has two degrees of freedom.
     assert width["hybrid"] == pytest.approx(2 * 4.30 * 20 * 0.5 / np.sqrt(3), rel=0.1)
-
-
-def test_the_figure_has_a_panel_a_horizon_and_a_line_a_predictor():
-    made = [errors(name, size, 0.02) for name in ("oracle", "hybrid") for size in (10, 30)]
-    figure = learning_curves_figure(curve_rows(made, TESTED, [100, 200]))
-    titles = [axes.get_title() or axes.get_title(loc="left") for axes in figure.axes]
-    assert titles == ["100 ms ahead", "200 ms ahead"]
-    (line,) = (one for one in figure.axes[1].lines if one.get_label().startswith("oracle"))
-    assert line.get_xdata().tolist() == [10, 30]
-    assert line.get_ydata().tolist() == pytest.approx([40.0, 40.0])

@@ -17,17 +17,12 @@ from rallygap.pipeline.profiles import profile_params
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.paths import repository_root
 from rallygap.pipeline.runtime.stage_run import StageRun
+from tests.experiments.made_up import few_balls
 from tests.models.predictors.small_training import BRIEF, TINY, changed, data, small_training
 from tests.pipeline.killed_runs import kill_at
-from tests.pipeline.measured_shots import params
 from tests.pipeline.measured_shots import write_trained as write_kept
 
-FEW = params().ingest.arena.model_copy(update={"game_episodes": 40, "cannon_shots": 40})
-SHORT = {"networks": {"transformer": TINY}, "training": BRIEF}
-SMALL = params(
-    ingest=params().ingest.model_copy(update={"arena": FEW}),
-    train_predictor=params().train_predictor.model_copy(update=SHORT),
-)
+SMALL = few_balls({"transformer": TINY})
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from experiments.exam.design.question import Question, seed_of
 from experiments.exam.design.questions import exam
 from experiments.exam.interface import Answer
 from experiments.exam.methods.registry import METHODS, RALLYGAP
-from experiments.exam.records import RECORDS, read_records
+from experiments.exam.records import RECORDS, read_records, write_records
 from experiments.exam.simulate.trial import Trial
 from experiments.exam.whole import assignments
 from experiments.exam_sample import run_sample
@@ -24,7 +24,7 @@ from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.params import load_params
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.stage_run import StageRun
-from tests.experiments.exam.example_records import record
+from tests.experiments.exam.example_records import COMMITTED, committed, record
 from tests.experiments.exam.example_trials import NOMINAL
 
 REPOSITORY = Path(__file__).parents[3]
@@ -121,3 +121,26 @@ def test_a_sample_is_some_questions_of_some_groups(root, monkeypatch):
     assert sampled([], 100) == known[::100]
     with pytest.raises(InputError, match="there is no group 'tilt'; groups: sweep"):
         sampled(["tilt"], 1)
+
+
+def test_records_that_are_read_are_written_to_the_same_bytes(tmp_path):
+    write_records(tmp_path / "records.jsonl", committed())
+    assert (tmp_path / "records.jsonl").read_bytes() == COMMITTED.read_bytes()
+    assert record(noise=0.00300000049).noise == 0.003
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        (None, "there is no such file; run `python -m experiments.stages.exam`"),
+        ("", "has no record; run `python -m experiments.stages.exam`"),
+        ("{}\n", r"row 1, name: Field required; run `python -m experiments.stages.exam`"),
+        ("no json\n", "row 1: Invalid JSON"),
+    ],
+)
+def test_a_damaged_file_is_one_error(tmp_path, content, problem):
+    path = tmp_path / "records.jsonl"
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(InputError, match=problem):
+        read_records(path)

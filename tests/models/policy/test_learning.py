@@ -20,9 +20,9 @@ from rallygap.models.policy.observation import LIMIT
 from tests.models.policy.schooling import BRIEF, TASK, same
 
 
-def iteration(after, number=0, before=None):
+def iteration(after, number=0, before=None, seed=3):
     after.mkdir()
-    return learn_iteration(TASK, BRIEF, 3, number, before, after)
+    return learn_iteration(TASK, BRIEF, seed, number, before, after)
 
 
 @pytest.fixture(scope="module")
@@ -101,5 +101,6 @@ def test_an_iteration_returns_the_mean_of_its_actors(schooled, tmp_path, monkeyp
     folders = schooled[0], tmp_path / "latest"
     learned = [trained_policy(SAC.load(folder / LEARNER).actor) for folder in folders]
     assert same(*learned)  # what is averaged does not change what is learned
+    assert not same(iteration(tmp_path / "other", seed=4), latest)
     assert not same(latest, schooled[1])
     assert not same(learned[0], schooled[1])

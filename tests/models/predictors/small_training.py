@@ -79,20 +79,20 @@ def tracks(count, seed):
     return build_tracks([degraded(flight, number) for number, flight in enumerate(flights)])
 
 
-def data(settings=BRIEF, seed=0):
-    return WindowData(tracks(6, 0), tracks(3, 1), settings, seed)
+def data(settings=BRIEF):
+    return WindowData(tracks(6, 0), tracks(3, 1), settings, seed=0)
 
 
 @cache
-def _fitted(shape, seed):
-    fresh = network(shape, seed)
-    data(seed=seed).fit_normaliser(fresh)
+def _fitted(shape):
+    fresh = network(shape)
+    data().fit_normaliser(fresh)
     return fresh
 
 
-def small_training(settings=BRIEF, seed=0, kind=ForecastTraining, shape=TINY):
+def small_training(settings=BRIEF, kind=ForecastTraining, shape=TINY):
     """A training of a fresh network, and its data."""
-    return kind(copy.deepcopy(_fitted(shape, seed)), settings), data(settings, seed)
+    return kind(copy.deepcopy(_fitted(shape)), settings), data(settings)
 
 
 def fit(training, data, accelerator="auto"):

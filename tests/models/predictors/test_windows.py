@@ -7,6 +7,7 @@ import pytest
 
 from rallygap.models.predictors.protocol import FUTURE_TIMES, HISTORY_TIMES
 from rallygap.models.predictors.windows import Episode, cut_windows
+from tests.models.predictors.episodes import GRID
 
 
 def path(times):
@@ -25,9 +26,6 @@ def episode(times, bounce=None, outlier=()):
     marked = np.isin(np.arange(len(times)), outlier)
     bounces = np.array([] if bounce is None else [bounce])
     return Episode(times, positions, velocities, spins, marked, arc, bounces)
-
-
-GRID = 0.005 * np.arange(121)
 
 
 @pytest.mark.parametrize("times", [GRID, 7.0 + GRID, np.cumsum(np.full(90, 0.007))])

@@ -32,7 +32,6 @@ def described_with(**changes):
     ("name", "content", "message"),
     [
         (WEIGHTS, None, r"there is no such file; run the stage train_policy"),
-        (WEIGHTS, b"", "is not a file of weights"),
         (WEIGHTS, save(drawn_policy().to_arrays())[:-9], "is not a file of weights"),
         (WEIGHTS, save({"a": np.zeros(3)}), "is not a file of weights: no policy has"),
         (DESCRIPTION, None, "there is no such file"),

@@ -49,13 +49,6 @@ def assert_same(results, others):
         pd.testing.assert_frame_equal(one.curve, other.curve, check_exact=True)
 
 
-def test_every_policy_goes_through_its_own_iterations(undisturbed):
-    assert [one.description for one in undisturbed] == DESCRIPTIONS
-    assert [one.curve["control_steps"].tolist() for one in undisturbed] == [[48, 96, 144], [48, 96]]
-    assert all(one.seconds > 0 for one in undisturbed)
-    assert not same(undisturbed[0].policy, undisturbed[1].policy)
-
-
 def killed_run(root, place, number):
     """Train until a call of ``learn_iteration`` kills this process before or after learning."""
     learn_iteration, calls = learning.learn_iteration, count(1)

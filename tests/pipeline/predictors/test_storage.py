@@ -81,7 +81,6 @@ NO_WEIGHTS = "is not a file of weights"
         (DESCRIPTION, None, DESCRIPTION, "run the stage"),
         (SPREAD, None, SPREAD, "run the stage"),
         (WEIGHTS, lambda content: content[:-100], WEIGHTS, NO_WEIGHTS),
-        (WEIGHTS, lambda _: b"", WEIGHTS, NO_WEIGHTS),
         (WEIGHTS, lambda _: pickle.dumps(Trap()), WEIGHTS, NO_WEIGHTS),
         (WEIGHTS, without_a_tensor, WEIGHTS, "see network.projection.bias"),
         (DESCRIPTION, with_another_network, WEIGHTS, "does not fit the network"),

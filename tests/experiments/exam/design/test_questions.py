@@ -1,4 +1,4 @@
-"""The design is complete, balanced and a pure function of its seed."""
+"""The design is complete, balanced and a pure function of its seed; names of groups are true."""
 
 import hashlib
 from collections import Counter
@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from experiments.exam.design.parameters import NOT_OBSERVABLE, family, hideable
+from experiments.exam.design.question import MULTIPLE
 from experiments.exam.design.questions import exam
-from experiments.exam.design.robustness import GROUPS
+from experiments.exam.design.robustness import GROUPS, VARYING
 from experiments.exam.simulate.recordings import simulate_trial
 from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.gap.hypotheses import Hypothesis
@@ -112,13 +113,17 @@ def test_a_posed_question_hides_a_multiple_of_the_minimum_size_where_that_is_pos
         assert question.posed([size] * len(question.hidden)) is None
 
 
-def test_two_causes_are_of_different_families():
+def test_two_or_several_causes_are_of_different_families():
     for question in group("pair") + group("nominal_off"):
         first, second = question.hidden
         assert family(first) != family(second)
         assert all(changes(question).values())
     for question in group("nominal_off"):
         assert {one.listed(NOMINAL) for one in question.hidden} == {True, False}
+    hidden = [question.hidden for question in group("several") if question.hidden]
+    assert {len(some) for some in hidden} == {3, 4, 5, 6}
+    assert all(len({family(one) for one in some}) == len(some) for some in hidden)
+    assert min(question.multiple for question in group("several")) >= MULTIPLE
 
 
 def test_groups_are_what_their_names_say():
@@ -127,3 +132,44 @@ def test_groups_are_what_their_names_say():
     assert all(q.trial.spin_labels == "none" for q in group("unlabelled"))
     assert all(q.trial.directions == 1 for q in group("one_direction"))
     assert {catalogue()[q.hidden[0].effect].acts for q in group("sensor_fault")} == {"sensor"}
+
+
+def errors(name):
+    return [question.trial.errors for question in group(name)]
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_a_fifth_of_every_robustness_group_is_clean_and_a_third_has_independent_dynamics(name):
+    questions = group(name)
+    clean = [question for question in questions if not question.differences]
+    assert len(clean) == len(questions) / 5
+    assert {question.cell for question in clean} == {question.cell for question in questions}
+    assert all(question.trial.simulator == question.trial.nominal for question in clean)
+    independent = [question.trial.dynamics == "independent" for question in questions]
+    assert np.mean(independent) == pytest.approx(1 / 3, abs=0.02)
+
+
+def test_only_varying_groups_have_a_cause_that_varies():
+    for question in QUESTIONS:
+        varies = question.trial.variation is not None
+        assert varies == (question.group in VARYING and bool(question.hidden))
+
+
+def test_sensor_errors_are_of_all_kinds():
+    labels = [one.labels for one in errors("label_kind")]
+    stamps = [one.stamps for one in errors("time_stamps")]
+    kinds = np.eye(4, dtype=bool)[:, 1:]  # none, or one
+    assert {(bool(e.arc), bool(e.shot), bool(e.session)) for e in labels} == set(map(tuple, kinds))
+    assert {stamp.rounding > 0 for stamp in stamps} == {stamp.jitter > 0 for stamp in stamps}
+    multiples = {(q.trial.errors.distortion.shape, q.multiple) for q in group("distortion")}
+    assert len(multiples) == 6
+
+
+def test_a_nominal_simulator_that_is_far_off_differs_in_a_parameter_and_an_effect():
+    for question in group("far_off"):
+        if question.hidden:
+            missing, wrong = question.differences
+            assert question.trial.base.effects.keys() == NOMINAL.effects.keys()
+            assert wrong.value(question.trial.base) == wrong.value(NOMINAL)
+            assert wrong.value(question.trial.nominal) != wrong.value(NOMINAL)
+            assert not missing.listed(question.trial.nominal)
