@@ -6,8 +6,8 @@ import pandas as pd
 import pytest
 
 from experiments.exam.simulate.trial import CAMERAS
-from rallygap.pipeline.gap.measured_shots import LabelCounts, read_shots
-from rallygap.pipeline.gap.summary import episodes_text, labels_text
+from rallygap.pipeline.gap.measured_shots import read_shots
+from rallygap.pipeline.gap.summary import episodes_text
 from rallygap.pipeline.runtime.errors import InputError
 from tests.pipeline.recorded import write_recordings
 
@@ -38,13 +38,6 @@ def test_what_is_left_out_has_a_reason(tmp_path):
     assert episodes_text(found) == "11 of 12 episodes in 12 recordings; left out: 1 too short"
     assert (found.labels.read, found.labels.implausible, found.labels.elsewhere) == (read, 5, 10)
     assert found.labels.used == found.shots.labelled.sum()
-
-
-def test_labels_are_counted_with_reasons_where_there_are_any():
-    assert labels_text(LabelCounts(0, implausible=0, used=0)) == "none"
-    implausible, outside = LabelCounts(1240, implausible=37, used=1203), LabelCounts(10, 0, used=8)
-    assert labels_text(implausible) == "1,203 of 1,240; left out: 37 implausible"
-    assert labels_text(outside) == "8 of 10; left out: 2 outside these episodes"
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from rallygap.pipeline.gap.figures import LINES
 from rallygap.pipeline.report.close_gap import (
     ERRORS,
     cause_table,
-    closing_figure,
     error_table,
     stability_figure,
     stability_table,
@@ -31,12 +29,6 @@ def three_splits():
     stronger = WIND.model_copy(update={"estimate": 0.65})
     found = [verdict(), verdict("ambiguous", (stronger, GRAVITY)), verdict("no_gap", (), gap=None)]
     return [diagnosed(one, split=split) for split, one in enumerate(found)]
-
-
-def test_errors_have_a_panel_a_simulator_and_a_line_a_split():
-    first, other = closing_figure(two_simulators()).figure.axes
-    assert [axes.get_title(loc="left") for axes in (first, other)] == ["first one", "other"]
-    assert len(first.lines) == 2 * len(LINES) and not other.lines
 
 
 def test_causes_are_drawn_in_minimum_detectable_effects_if_they_have_one():

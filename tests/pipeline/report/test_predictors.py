@@ -1,4 +1,4 @@
-"""Figures of predictors: their training, their errors, and the coverage of their regions."""
+"""Figures of predictors: their errors and the coverage of their regions."""
 
 from itertools import product
 
@@ -7,20 +7,7 @@ import pandas as pd
 import pytest
 
 from rallygap.pipeline.report.evaluate_predictor import coverage_figure, forecast_error_figure
-from rallygap.pipeline.report.train_predictor import training_figure
 from tests.pipeline.report.example_reports import HORIZONS, forecast_errors
-
-
-def test_every_predictor_has_a_panel_with_both_its_curves():
-    names = {"transformer": "transformer", "transformer_fine_tuned": "transformer, fine-tuned"}
-    losses = np.arange(12.0).reshape(6, 2)
-    curves = pd.DataFrame(losses, columns=["training", "validation"])
-    curves = curves.assign(predictor=np.repeat(list(names), 3), epoch=[1, 2, 3] * 2)
-    figure = training_figure(curves)
-    assert [axes.get_title(loc="left") for axes in figure.axes] == list(names.values())
-    for axes, (_, rows) in zip(figure.axes, curves.groupby("predictor"), strict=True):
-        drawn = {line.get_label(): line.get_ydata().tolist() for line in axes.lines}
-        assert drawn == rows[["training", "validation"]].to_dict("list")
 
 
 def test_lines_are_the_numbers_of_their_row_and_the_band_is_the_interval():

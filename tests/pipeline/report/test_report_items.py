@@ -18,14 +18,3 @@ def test_an_animation_has_every_pixel_and_rests_on_its_last_frame(tmp_path):
         assert animation.info["loop"] == 0  # without end
     np.testing.assert_array_equal([pixels for pixels, _ in seen], FRAMES)
     assert [duration for _, duration in seen] == [40, 40, 40, 1000]
-
-
-def test_the_same_figure_gives_the_same_bytes(tmp_path):
-    contents = set()
-    for _ in range(2):
-        figure = Figure(figsize=(1, 1))
-        figure.subplots().plot([1, 2])
-        item = ReportFigure(figure, "line", title="", caption="")
-        item.write(tmp_path / item.file)
-        contents.add((tmp_path / item.file).read_bytes())
-    assert len(contents) == 1
