@@ -8,7 +8,6 @@ from rallygap.models.segmentation.flight import (
     DRAG,
     JERK_DENSITY,
     initialise,
-    negative_log_likelihood,
     predict_covariance,
     predict_mean,
     smooth,
@@ -48,14 +47,6 @@ def test_prediction_adds_the_integral_of_white_jerk_and_update_is_that_of_kalman
     update(mean, covariance, sample, NOISE)
     np.testing.assert_allclose(mean, expected[0], rtol=1e-12)
     np.testing.assert_allclose(covariance, expected[1], rtol=1e-9, atol=1e-12)
-
-
-def test_negative_log_likelihood_is_zero_for_a_certain_prediction_and_grows_with_the_error():
-    sample = np.zeros(3)
-    mean, covariance = np.zeros((3, 3)), np.zeros((3, 3))
-    assert negative_log_likelihood(mean, covariance, sample, NOISE) == 0
-    mean[0] = [0, 0, 4 * NOISE]
-    assert negative_log_likelihood(mean, covariance, sample, NOISE) == pytest.approx(8)
 
 
 def batch(t, z, used):

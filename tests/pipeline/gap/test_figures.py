@@ -9,7 +9,6 @@ from rallygap.pipeline.web.figure_style import MUTED
 from tests.pipeline.verdicts import (
     CAMERA,
     CAMERA_NODES,
-    GAP,
     GRAVITY,
     LOCATED,
     MINOR,
@@ -31,16 +30,6 @@ def test_causes_are_drawn_in_minimum_detectable_effects_of_the_verdict():
         ends = np.array([*cause.interval, cause.estimate])
         expected = (ends - cause.nominal) / found.minimum_detectable[cause.identity]
         np.testing.assert_allclose([*interval, *estimate], expected)
-
-
-def test_errors_are_drawn_over_the_horizon():
-    axes = figures.error_figure(GAP).figure.axes[0]
-    for line, values in zip(axes.lines, (GAP.before_mm, GAP.after_mm, GAP.floor_mm), strict=True):
-        np.testing.assert_array_equal(line.get_xydata(), np.column_stack([GAP.horizons_ms, values]))
-    within = (GAP.before_interval_mm, GAP.after_interval_mm)
-    for band, intervals in zip(axes.collections, within, strict=True):
-        ends = {y for x, y in band.get_paths()[0].vertices if x == GAP.horizons_ms[-1]}
-        assert ends == set(intervals[-1])
 
 
 def test_slices_show_the_errors_of_the_nodes_in_mm_where_balls_were():

@@ -8,19 +8,11 @@ from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCIT
 from rallygap.pipeline.report.ingest import (
     launch_distributions,
     launches_figure,
-    measured_balls_figure,
 )
 from rallygap.pipeline.report.segment import LARGEST_ERROR, contact_scores_figure
 from rallygap.pipeline.sources.launches import QUANTITIES, measured_launches, simulated_launches
 
 STATE_COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
-
-
-def test_a_source_is_drawn_from_the_side_and_from_above():
-    balls = pd.DataFrame([[0.1, 1.0, 0.3], [0.2, -1.0, 0.4]], columns=POSITION_COLUMNS)
-    side, above = (axes.lines[1].get_xydata() for axes in measured_balls_figure({"": balls}).axes)
-    assert side.tolist() == [[1.0, 0.3], [-1.0, 0.4]]
-    assert above.tolist() == [[1.0, 0.1], [-1.0, 0.2]]
 
 
 def launches(**values):

@@ -100,7 +100,6 @@ def test_the_air_slows_spin_as_noted():
 @pytest.mark.parametrize(
     ("word", "changed"),
     [
-        ("vacuum", {"option": 'timestep=".00005"'}),
         ("vacuum", {"rest": '<option><flag spring="disable" damper="disable"/></option>'}),
         ("wind has no effect", {"option": 'wind="1 0 0" timestep=".00005"'}),
         ("density of the air", {"option": 'density="1.225" timestep=".00005"'}),
@@ -130,7 +129,6 @@ def test_the_air_slows_spin_as_noted():
         ("no table", {"table": ""}),
         ("not 2.74", {"table": LEVEL.replace("1.37", "1.35")}),
         ("nothing pushes", {"rest": '<option><flag contact="disable"/></option>'}),
-        ("a simulator takes", {"geom": f"{SHELL} {FRICTIONLESS} {air(2.0)}"}),
         ("a simulator takes", {"option": f'{PLAIN} gravity="0 0 9.81"', "table": ""}),
     ],
 )
