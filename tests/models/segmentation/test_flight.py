@@ -1,4 +1,4 @@
-"""The flight filter and smoother against textbook formulas and independent solutions."""
+"""The flight filter and smoother against textbook formulas, and the partition into arcs."""
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from rallygap.models.segmentation.flight import (
     transition,
     update,
 )
+from rallygap.models.segmentation.partition import FEWEST_SAMPLES, partition
 
 MEAN = np.array([[0.1, -1.0, 0.3], [1.0, 9.0, 2.0], [0.5, -1.0, -9.0]])
 NOISE = 0.003
@@ -86,3 +87,51 @@ def test_smoothed_states_are_the_most_probable_ones():
     expected = batch(t, z, used)
     np.testing.assert_allclose(means[:, 0, 2], expected[:, 0], atol=1e-4)
     np.testing.assert_allclose(means[:, 1, 2], expected[:, 1], atol=5e-3)
+
+
+COST = 16.0  # of a contact, and of an outlier
+STEP = 0.005
+
+
+def arcs(t, x):
+    first, _, last = partition(t, x, NOISE, COST, COST)
+    return list(zip(first.tolist(), last.tolist(), strict=True))
+
+
+def path(samples, velocity, begin=(0.0, 0.0, 0.3)):
+    t = STEP * np.arange(samples)[:, None]
+    return np.array(begin) + t * velocity + 0.5 * t**2 * [0, 0, -9.81]
+
+
+def noisy(x, seed):
+    return x + np.random.default_rng(seed).normal(0, NOISE, x.shape)
+
+
+def clock(x):
+    return STEP * np.arange(len(x))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_noise_and_outliers_do_not_break_an_arc(seed):
+    x = noisy(path(80, [0.5, 4.0, 2.0]), seed)
+    assert arcs(clock(x), x) == [(0, 79)]
+    random = np.random.default_rng(100 + seed)
+    off = random.choice(np.arange(1, 79), 8, replace=False)
+    x[off] += random.choice([-1, 1], (8, 3)) * random.uniform(0.05, 0.5, (8, 3))
+    assert arcs(clock(x), x) == [(0, 79)]
+
+
+@pytest.mark.parametrize("between", [FEWEST_SAMPLES, 4, 5])
+def test_few_samples_between_two_contacts_are_an_arc(between):
+    down = path(20, [0.0, -5.0, -2.0])
+    up = path(between + 1, [0.0, -4.5, 3.0], down[-1])[1:]
+    back = path(20, [1.0, 8.0, 2.0], up[-1])[1:]
+    x = noisy(np.concatenate([down, up, back]), 1)
+    breaks = [first for first, _ in arcs(clock(x), x)[1:]]
+    np.testing.assert_allclose(breaks, [20, 20 + between], atol=1)
+    assert len(breaks) == 2
+
+
+def test_random_samples_are_in_no_arc():
+    x = np.random.default_rng(3).uniform(-2, 2, (30, 3))
+    assert arcs(clock(x), x) == []

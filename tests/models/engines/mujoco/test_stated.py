@@ -100,6 +100,7 @@ def test_the_air_slows_spin_as_noted():
 @pytest.mark.parametrize(
     ("word", "changed"),
     [
+        ("vacuum", {"option": 'timestep=".00005"'}),
         ("vacuum", {"rest": '<option><flag spring="disable" damper="disable"/></option>'}),
         ("wind has no effect", {"option": 'wind="1 0 0" timestep=".00005"'}),
         ("density of the air", {"option": 'density="1.225" timestep=".00005"'}),

@@ -14,7 +14,7 @@ from rallygap.pipeline.engines.export.scene.verification import (
 )
 from rallygap.pipeline.engines.load import load_scene
 from rallygap.pipeline.runtime.errors import InputError
-from tests.pipeline.engines.export.scenes import POST, SCENE, amended, changed, does, file_of
+from tests.pipeline.engines.export.scenes import SCENE, amended, changed, does, file_of
 
 LIST = """gravity: {g: 9.81}
 # drag.cd: 0.3 before; estimated 0.47 from lab (95 % 0.46 to 0.48); verdict named
@@ -114,31 +114,15 @@ def test_a_ball_whose_inertia_is_written_stays_solid_and_that_is_said(tmp_path):
     assert not_stated(found, found.after)[0].startswith("The ball is no shell")
 
 
-def amended_of(folder, text, changes):
-    file = file_of(folder, text)
-    after = changed(file, changes)
-    code = ball_effects(after, "list", [], "mujoco")
-    return amended_scene(str(file.path), does(file), after, code, [])
-
-
 def test_a_scene_that_cannot_be_amended_leaves_verified_code(tmp_path):
     flags = '<option><flag spring="disable" damper="disable"/></option><worldbody>'
-    found = amended_of(tmp_path, SCENE.replace("<worldbody>", flags), {"drag": {"cd": 0.47}})
+    file = file_of(tmp_path, SCENE.replace("<worldbody>", flags))
+    after = changed(file, {"drag": {"cd": 0.47}})
+    code = ball_effects(after, "list", [], "mujoco")
+    found = amended_scene(str(file.path), does(file), after, code, [])
     assert found.text is None and "passive forces" in str(found.problem)
     assert found.sentences[0] == f"There is no amended scene.xml: {found.problem}."
     assert found.sentences[1].startswith("ball_effects.py: 40 shots differ")
-
-
-def test_what_the_written_scene_has_not_is_said(tmp_path):
-    (tmp_path / "rest.xml").write_text('<mujoco><option density="1.2"/></mujoco>')
-    (tmp_path / "post.obj").write_text(POST)
-    head = '<include file="rest.xml"/><asset><mesh file="post.obj"/></asset><worldbody>'
-    text = SCENE.replace("<worldbody>", head).replace('"0.001"', '"0.005"')
-    found = amended_of(tmp_path, text, {"gravity": {"g": 9.8}})
-    own = "scene.xml belongs into the folder of lab.xml: its paths are relative to it."
-    assert any(sentence.startswith("MuJoCo writes scene.xml") for sentence in found.sentences)
-    assert own in found.sentences
-    assert "All bodies" not in " ".join(found.sentences)
 
 
 def test_without_a_table_flights_alone_are_compared(tmp_path):
