@@ -5,7 +5,6 @@ import pytest
 from matplotlib.colors import to_hex
 
 from rallygap.pipeline.gap import figures
-from rallygap.pipeline.web.figure_style import MUTED
 from tests.pipeline.verdicts import (
     CAMERA,
     CAMERA_NODES,
@@ -56,12 +55,3 @@ def test_the_discrepancy_is_drawn_by_phase_and_by_direction():
     assert [tops[colour] for colour in figures.PHASE_COLOURS.values()] == pytest.approx([6, 9, 12])
     np.testing.assert_allclose(phases.lines[0].get_ydata(), [0, 2, 6, 12])
     np.testing.assert_allclose(directions.lines[3].get_xydata(), [[100, 0], [200, 3], [300, 6]])
-
-
-def test_growth_has_a_column_a_covariate_and_a_row_a_direction():
-    grid = np.array(figures.growth_figure(LOCATED).figure.axes).reshape(3, 2)
-    for row in range(3):
-        points = grid[row, 0].lines[1].get_xydata()
-        np.testing.assert_allclose(points, [[5, 0], [7, row + 1], [9, 2 * (row + 1)]])
-    # What is not significant is pale.
-    assert [axes.lines[1].get_color() == MUTED for axes in grid[0]] == [False, True]
