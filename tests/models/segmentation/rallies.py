@@ -10,9 +10,8 @@ from rallygap.models.ball.simulators import shipped
 from rallygap.models.segmentation.scoring import observable
 from rallygap.models.segmentation.settings import ScoringSettings
 
-PHYSICS = physics_of(shipped("literature"))
 BALL = IndependentBall(
-    PHYSICS._replace(
+    physics_of(shipped("literature"))._replace(
         drag_cd=0.56, magnus_cm=0.08, table_bounce_restitution=0.92, table_bounce_friction=0.22
     )
 )

@@ -1,4 +1,4 @@
-"""The flight filter and smoother against textbook formulas and independent solutions."""
+"""The flight filter and smoother against textbook formulas, and the partition into arcs."""
 
 import numpy as np
 import pytest
@@ -8,13 +8,13 @@ from rallygap.models.segmentation.flight import (
     DRAG,
     JERK_DENSITY,
     initialise,
-    negative_log_likelihood,
     predict_covariance,
     predict_mean,
     smooth,
     transition,
     update,
 )
+from rallygap.models.segmentation.partition import FEWEST_SAMPLES, partition
 
 MEAN = np.array([[0.1, -1.0, 0.3], [1.0, 9.0, 2.0], [0.5, -1.0, -9.0]])
 NOISE = 0.003
@@ -48,14 +48,6 @@ def test_prediction_adds_the_integral_of_white_jerk_and_update_is_that_of_kalman
     update(mean, covariance, sample, NOISE)
     np.testing.assert_allclose(mean, expected[0], rtol=1e-12)
     np.testing.assert_allclose(covariance, expected[1], rtol=1e-9, atol=1e-12)
-
-
-def test_negative_log_likelihood_is_zero_for_a_certain_prediction_and_grows_with_the_error():
-    sample = np.zeros(3)
-    mean, covariance = np.zeros((3, 3)), np.zeros((3, 3))
-    assert negative_log_likelihood(mean, covariance, sample, NOISE) == 0
-    mean[0] = [0, 0, 4 * NOISE]
-    assert negative_log_likelihood(mean, covariance, sample, NOISE) == pytest.approx(8)
 
 
 def batch(t, z, used):
@@ -95,3 +87,51 @@ def test_smoothed_states_are_the_most_probable_ones():
     expected = batch(t, z, used)
     np.testing.assert_allclose(means[:, 0, 2], expected[:, 0], atol=1e-4)
     np.testing.assert_allclose(means[:, 1, 2], expected[:, 1], atol=5e-3)
+
+
+COST = 16.0  # of a contact, and of an outlier
+STEP = 0.005
+
+
+def arcs(t, x):
+    first, _, last = partition(t, x, NOISE, COST, COST)
+    return list(zip(first.tolist(), last.tolist(), strict=True))
+
+
+def path(samples, velocity, begin=(0.0, 0.0, 0.3)):
+    t = STEP * np.arange(samples)[:, None]
+    return np.array(begin) + t * velocity + 0.5 * t**2 * [0, 0, -9.81]
+
+
+def noisy(x, seed):
+    return x + np.random.default_rng(seed).normal(0, NOISE, x.shape)
+
+
+def clock(x):
+    return STEP * np.arange(len(x))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_noise_and_outliers_do_not_break_an_arc(seed):
+    x = noisy(path(80, [0.5, 4.0, 2.0]), seed)
+    assert arcs(clock(x), x) == [(0, 79)]
+    random = np.random.default_rng(100 + seed)
+    off = random.choice(np.arange(1, 79), 8, replace=False)
+    x[off] += random.choice([-1, 1], (8, 3)) * random.uniform(0.05, 0.5, (8, 3))
+    assert arcs(clock(x), x) == [(0, 79)]
+
+
+@pytest.mark.parametrize("between", [FEWEST_SAMPLES, 4, 5])
+def test_few_samples_between_two_contacts_are_an_arc(between):
+    down = path(20, [0.0, -5.0, -2.0])
+    up = path(between + 1, [0.0, -4.5, 3.0], down[-1])[1:]
+    back = path(20, [1.0, 8.0, 2.0], up[-1])[1:]
+    x = noisy(np.concatenate([down, up, back]), 1)
+    breaks = [first for first, _ in arcs(clock(x), x)[1:]]
+    np.testing.assert_allclose(breaks, [20, 20 + between], atol=1)
+    assert len(breaks) == 2
+
+
+def test_random_samples_are_in_no_arc():
+    x = np.random.default_rng(3).uniform(-2, 2, (30, 3))
+    assert arcs(clock(x), x) == []

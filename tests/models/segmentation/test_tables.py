@@ -6,7 +6,7 @@ import pytest
 
 from rallygap.models.segmentation.settings import SegmentSettings
 from rallygap.models.segmentation.tables import POSITION, SPIN, VELOCITY, segment_recordings
-from rallygap.pipeline.io.schemas import CONTACTS, EPISODES, SAMPLES, checked
+from rallygap.pipeline.io.schemas import CONTACTS, SAMPLES, checked
 from tests.models.segmentation.rallies import simulated_rally
 
 SETTINGS = SegmentSettings()
@@ -14,14 +14,6 @@ SETTINGS = SegmentSettings()
 
 def is_shot(recording_id):
     return recording_id.startswith("gun/")
-
-
-def shared_out(episodes):
-    """Episodes with the columns that the split adds."""
-    return episodes.assign(
-        split=pd.Series("train", index=episodes.index, dtype="str"),
-        replay_set=pd.Series("none", index=episodes.index, dtype="str"),
-    )
 
 
 def recording(name, t, x):
@@ -46,16 +38,6 @@ def found(recordings):
     return segment_recordings(recordings, is_shot, SETTINGS)
 
 
-def test_tables_keep_their_contracts_also_where_nothing_is_found(found, recordings):
-    lone = recordings[recordings["recording_id"] == "arena/lone"]
-    nothing = segment_recordings(lone, is_shot, SETTINGS)
-    for name, contract in {"samples": SAMPLES, "contacts": CONTACTS, "episodes": EPISODES}.items():
-        for tables, is_empty in ((found, False), (nothing, True)):
-            table = getattr(tables, name)
-            table = shared_out(table) if name == "episodes" else table
-            assert checked(table, contract).empty == is_empty
-
-
 def test_samples_are_the_measured_ones_and_episodes_agree_with_them_and_their_contacts(
     found, recordings
 ):
@@ -71,6 +53,10 @@ def test_samples_are_the_measured_ones_and_episodes_agree_with_them_and_their_co
         assert row["bounces"] == (contacts["kind"] == "table").sum()
         inside = contacts[contacts["kind"] != "racket"]["t"].to_numpy()
         np.testing.assert_array_equal(samples["arc"], np.searchsorted(inside, samples["t"]))
+    lone = recordings[recordings["recording_id"] == "arena/lone"]
+    nothing = segment_recordings(lone, is_shot, SETTINGS)
+    assert checked(nothing.samples, SAMPLES).empty and checked(nothing.contacts, CONTACTS).empty
+    assert nothing.episodes.empty
     first = found.episodes[found.episodes["recording_id"] == "arena/0"]["episode_id"]
     assert first.tolist() == [f"arena/0/{number:02d}" for number in range(len(first))]
 

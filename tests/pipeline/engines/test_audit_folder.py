@@ -9,6 +9,7 @@ from rallygap.pipeline.cli import app
 from rallygap.pipeline.engines.audit_folder import audit_folder
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.runtime.errors import InputError
+from tests.pipeline.gap.test_diagnose_folder import contents
 
 FILES = ["audit.json", "figures/bounces.png", "figures/worth.png", "report.html", "simulator.yaml"]
 MINE = """
@@ -19,14 +20,6 @@ table_bounce: {restitution: 0.88, friction: 0.3}
 """
 
 
-def files(folder):
-    return {
-        str(path.relative_to(folder)): path.read_bytes()
-        for path in folder.rglob("*")
-        if path.is_file()
-    }
-
-
 def test_an_audit_has_the_list_its_traps_and_a_comparison_and_the_same_bytes_again(tmp_path):
     mine, out = tmp_path / "mine.yaml", tmp_path / "out"
     mine.write_text(MINE)
@@ -35,7 +28,7 @@ def test_an_audit_has_the_list_its_traps_and_a_comparison_and_the_same_bytes_aga
     assert result.exit_code == 0, result.output
     assert "Trap: Lift is inverse (C_M -0.2)" in result.output
     assert "Compared with literature, balls are " in result.output
-    assert sorted(files(out)) == FILES
+    assert sorted(contents(out)) == FILES
     content = json.loads((out / "audit.json").read_text())
     assert [one["identifier"] for one in content["traps"]] == ["inverse_lift"]
     assert content["unexplained"]["table"]["largest_mm"] < 0.01
@@ -47,7 +40,7 @@ def test_an_audit_has_the_list_its_traps_and_a_comparison_and_the_same_bytes_aga
     assert "Lift is inverse" in page and "Compared with another engine" in page
     said = audit_folder(str(mine), tmp_path / "again", "literature")
     assert "drag.cd 0.45 and 0.54" in said[-1] and "gravity.g" not in said[-1]
-    assert files(tmp_path / "again") == files(out)
+    assert contents(tmp_path / "again") == contents(out)
 
 
 def test_an_engine_that_fails_leaves_nothing(tmp_path):

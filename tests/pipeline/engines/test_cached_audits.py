@@ -1,6 +1,7 @@
-"""Audits of scenes are kept: by content, and never in the way of a new one."""
+"""Audits of scenes: what the file says next to what the scene does; they are kept by content."""
 
 import hashlib
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -11,10 +12,11 @@ import pytest
 pytest.importorskip("mujoco")
 
 from rallygap.pipeline.engines import audited as module
+from rallygap.pipeline.engines.audit_folder import audit_folder
 from rallygap.pipeline.engines.audited import cached_audit
 from rallygap.pipeline.engines.load import load_engine
 from rallygap.pipeline.io.artifacts import write_text
-from tests.models.engines.mujoco.scenes import BALL, SHELL, TABLE, ball, written
+from tests.models.engines.mujoco.scenes import BALL, CONTACT, SHELL, TABLE, ball, written
 
 OPTION = 'timestep=".001" integrator="RK4" density="1.2"'
 OTHER_PROCESS = """
@@ -107,3 +109,23 @@ def test_a_scene_has_the_same_content_in_another_process_which_loads_mujoco_for_
     command = [sys.executable, "-c", OTHER_PROCESS, scene]
     digest = subprocess.run(command, capture_output=True, check=True, text=True, timeout=60).stdout
     assert digest.strip() == hashlib.sha256(load_engine(scene).content).hexdigest()
+
+
+def test_the_natural_reading_of_a_scene_is_named_with_its_cost_and_variants(tmp_path):
+    coefficients = 'fluidshape="ellipsoid" fluidcoef=".47 0 0 0 .069"'
+    soft = CONTACT.replace("-1000000 -47", "-250000 -23")  # as the time step is long
+    text = written(TABLE + ball(f"{BALL} {SHELL} {soft} {coefficients}"), OPTION)
+    write_text(tmp_path / "scene.xml", text.replace('".001" int', '".002" int'))
+    said = audit_folder(str(tmp_path / "scene.xml"), tmp_path / "out")
+    assert any(line.startswith("Trap: Lift is inverse (C_M -0.431)") for line in said)
+    assert any(line.startswith("Note: C_D is 0.94") for line in said)
+    content = json.loads((tmp_path / "out" / "audit.json").read_text())
+    says, does = content["says"], {one["identity"]: one["value"] for one in content["effects"]}
+    assert does["drag.cd"] == pytest.approx(says["drag"]["cd"], abs=1e-3)
+    assert does["magnus.cm"] == pytest.approx(says["magnus"]["cm"], abs=1e-3)
+    restitution = does["table_bounce.restitution"]
+    assert restitution == pytest.approx(says["table_bounce"]["restitution"], abs=0.02)
+    variants = {one["name"]: one for one in content["variants"]}
+    assert list(variants) == ["time step 1 ms", "time step 0.5 ms", "integrator RK4"]
+    assert max(one["flight_mm"] for one in variants.values()) < 0.01
+    assert variants["integrator RK4"]["bounce_mm"] == 0.0

@@ -1,6 +1,5 @@
 """The page of a verdict: complete, escaped, offline."""
 
-import html
 import re
 from functools import cache
 
@@ -57,13 +56,6 @@ def cells(page, first):
     return re.findall(r"<td[^>]*>([^<]*)</td>", row)
 
 
-def test_the_sentences_come_first(rendered):
-    page, found = html.unescape(rendered("two causes")), FOUND["two causes"]
-    assert "<h1>Verdict: ambiguous</h1>" in page
-    places = [page.index(sentence) for sentence in (*found.outcome, *found.details, "<main>")]
-    assert places == sorted(places)
-
-
 def test_causes_have_a_row_with_role_worth_and_class(rendered):
     page, fewer = rendered("all"), rendered("two causes")
     expected = ["gravity.g", "leading cause", "wrong value", "9.81", "10.3 m/s^2", "10.2 to 10.4"]
@@ -88,9 +80,7 @@ def test_checks_errors_covariates_and_facts_are_listed(rendered):
         assert cells(page, row[0]) == row
     assert cells(page, "table_bounce.friction")[2] == "0.012"
     assert "reduced by 11.0 to 24.0 mm and 1.20 to 3.10 ms" in page
-    assert "<li>all shots go in one direction</li>" in page
     assert "<dt>rows and labels rejected</dt><dd>2 not a number</dd>" in page
-    assert "<pre>gravity: {g: 9.81}" in page
 
 
 def test_names_from_the_data_cannot_become_markup(rendered):

@@ -1,29 +1,17 @@
-"""Figures and tables of many verdicts, by hand."""
+"""Tables of many verdicts, by hand."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from rallygap.pipeline.gap.figures import LINES
 from rallygap.pipeline.report.close_gap import (
     ERRORS,
     cause_table,
-    closing_figure,
     error_table,
-    stability_figure,
     stability_table,
     verdict_table,
 )
 from tests.pipeline.verdicts import CAMERA, GAP, GRAVITY, MINOR, MISFIT, WIND, diagnosed, verdict
-
-
-def two_simulators():
-    """Two splits of one, with both causes and with one; one of the other, without errors."""
-    return [
-        diagnosed(verdict(causes=(WIND, GRAVITY, CAMERA, MINOR)), "first_one", 0),
-        diagnosed(verdict(), "first_one", 1),
-        diagnosed(verdict("no_gap", (), gap=None), "other", 0),
-    ]
 
 
 def three_splits():
@@ -31,24 +19,6 @@ def three_splits():
     stronger = WIND.model_copy(update={"estimate": 0.65})
     found = [verdict(), verdict("ambiguous", (stronger, GRAVITY)), verdict("no_gap", (), gap=None)]
     return [diagnosed(one, split=split) for split, one in enumerate(found)]
-
-
-def test_errors_have_a_panel_a_simulator_and_a_line_a_split():
-    first, other = closing_figure(two_simulators()).figure.axes
-    assert [axes.get_title(loc="left") for axes in (first, other)] == ["first one", "other"]
-    assert len(first.lines) == 2 * len(LINES) and not other.lines
-
-
-def test_causes_are_drawn_in_minimum_detectable_effects_if_they_have_one():
-    first, other = stability_figure(two_simulators()).figure.axes
-    assert [text.get_text() for text in first.get_yticklabels()] == ["wind.x", "gravity.g"]
-    marks = [line.get_xydata()[0] for line in first.lines if line.get_marker() == "o"]
-    size = 0.61 / verdict().minimum_detectable["wind.x"]
-    np.testing.assert_allclose([marks[0], marks[2]], [(size, -0.125), (size, 0.125)])
-    assert not [line for line in other.lines if line.get_marker() == "o"]
-    one = verdict(causes=(WIND, GRAVITY), minimum_detectable={"gravity.g": 0.05})
-    (axes,) = stability_figure([diagnosed(one)]).figure.axes
-    assert [text.get_text() for text in axes.get_yticklabels()] == ["gravity.g"]
 
 
 def test_a_case_has_a_row_with_its_causes_as_text():

@@ -1,32 +1,23 @@
-"""Figures and tables of policies show the numbers they were given."""
+"""Figures and tables of policies and predictors show the numbers they were given."""
 
 from itertools import product
 
 import numpy as np
 import pandas as pd
+import pytest
 
-from experiments.report.policies import (
-    POLICIES,
-    mechanism_figure,
-    readings_figure,
-    spread_policies_figure,
-)
+from experiments.report.policies import mechanism_figure
+from rallygap.pipeline.report.evaluate_predictor import coverage_figure, forecast_error_figure
 from rallygap.pipeline.report.plots import physics_colour
-from rallygap.pipeline.report.retrain_policy import retraining_figure
 from rallygap.pipeline.report.shot_quality import HATCH, medians_figure
-from rallygap.pipeline.report.sim2real import (
-    PAPER_ROW,
-    paper_form_table,
-    tolerance_figure,
-    transfer_figure,
-)
+from rallygap.pipeline.report.sim2real import PAPER_ROW, paper_form_table, transfer_figure
 from rallygap.pipeline.report.sim2sim import PREDICTORS, PROTOCOLS, sim2sim_figure
-from rallygap.pipeline.report.train_policy import GOALS, achieved_figure, learning_figure
+from rallygap.pipeline.report.train_policy import GOALS, achieved_figure
 from rallygap.pipeline.transfer.rates import rates
 from tests.pipeline.played_trials import KEYS, everything, trials
+from tests.pipeline.report.example_reports import forecast_errors
 
 SETS, HORIZONS = ["stroke_pro", "spindoe"], ["115-125", "170-180"]
-OBSERVATIONS = ("intercept", "strict")
 
 
 def made_up(keys, columns, **constants):
@@ -48,16 +39,6 @@ def titles(figure):
     return [axes.get_title(loc="left") for axes in figure.axes]
 
 
-def test_retraining_has_a_bar_for_every_policy_and_predictor():
-    pairs = [("original", "physics"), ("original", "oracle"), ("retrained", "amended")]
-    keys = [("arena", horizons, *pair) for horizons, pair in product(HORIZONS, pairs)]
-    table = made_up(keys, "set horizons_ms policy predictor")
-    figure = retraining_figure(table)
-    widths = [bar.get_width() for axes in figure.axes for bar in axes.patches]
-    np.testing.assert_allclose(widths, 100 * table["return_rate"])
-    assert titles(figure)[1] == "arena, horizons 170–180 ms, 20 shots, 2 trainings"
-
-
 def test_hits_and_returns_of_every_set_are_drawn_in_the_predictor_s_colour():
     pairs = [("physics", "first_window"), ("physics", "every_tick"), ("transformer", "every_tick")]
     keys = [(name, horizons, *pair) for name, horizons, pair in product(SETS, HORIZONS, pairs)]
@@ -69,18 +50,6 @@ def test_hits_and_returns_of_every_set_are_drawn_in_the_predictor_s_colour():
             rows = panel[panel["predictor"] == name]
             expected = 100 * np.concatenate([rows["hit_rate"], rows["return_rate"]])
             np.testing.assert_allclose(heights(axes, physics_colour(name)), expected)
-
-
-def test_every_kind_of_error_has_a_panel_with_a_line_for_each_horizons():
-    sizes = [("bias", 0.0), ("bias", 5.0), ("noise", 0.0), ("noise", 5.0), ("no_spin", 0.0)]
-    keys = [(*size, horizons) for horizons, size in product(HORIZONS, sizes)]
-    table = made_up(keys, "error size_cm horizons_ms")
-    figure = tolerance_figure(table)
-    for axes, error in zip(figure.axes, ("bias", "noise"), strict=True):
-        drawn = {line.get_label(): line.get_xydata() for line in axes.lines}
-        for horizons, rows in table[table["error"] == error].groupby("horizons_ms"):
-            expected = np.column_stack([rows["size_cm"], 100 * rows["return_rate"]])
-            np.testing.assert_allclose(drawn[f"{horizons} ms"], expected)
 
 
 def test_the_paper_s_numbers_stand_below_ours_on_its_sets_and_horizons():
@@ -104,7 +73,6 @@ def test_every_protocol_has_bars_with_intervals_for_every_simulator_and_horizons
     table.columns = [name.replace("return_rate_", "ci_") for name in table]
     each = [[share, share + 0.01] for share in table["return_rate"]]
     figure = sim2sim_figure(table.assign(per_seed=each))
-    assert titles(figure) == list(PROTOCOLS.values())
     for axes, (_, panel) in zip(figure.axes, table.groupby("protocol"), strict=True):
         own = [panel[panel["predictor"] == name] for name in PREDICTORS]
         for (_, colour, _), rows in zip(PREDICTORS.values(), own, strict=True):
@@ -126,28 +94,6 @@ def test_a_bar_is_a_median_and_the_shorter_horizons_are_hatched():
         assert heights(axes, physics_colour(name)) == speed[at].tolist()
 
 
-def test_every_policy_is_a_line_in_the_row_of_its_group():
-    names = ["group", "simulator", "horizons_ms", "repeat"]
-    policies = [
-        ("sim2sim", "imperfect_a", "115-125", 0),
-        ("sim2sim", "imperfect_c", "115-125", 0),
-        ("sim2sim", "imperfect_c", "115-125", 1),
-        ("strict_inputs", "imperfect_c", "170-180", 0),
-    ]
-    table = made_up([policy for policy in policies for _ in range(3)], " ".join(names))
-    table = table.assign(hit_rate=0.5 * table["return_rate"])
-    curves = table.assign(control_steps=[16_000, 32_000, 48_000] * len(policies))
-    figure = learning_figure(curves)
-    assert [title for title in titles(figure) if title] == ["sim2sim", "strict inputs"]
-    for column, rate in enumerate(("return_rate", "hit_rate")):
-        panels = figure.axes[column::2]
-        assert [len(axes.lines) for axes in panels] == [3, 1]
-        lines = [line for axes in panels for line in axes.lines]
-        for line, (_, rows) in zip(lines, curves.groupby(names, sort=False), strict=True):
-            expected = np.column_stack([rows["control_steps"] / 1000, 100 * rows[rate]])
-            np.testing.assert_allclose(line.get_xydata(), expected)
-
-
 def test_every_goal_has_a_panel_with_its_returns_and_their_line_if_there_are_some():
     columns = {}
     for number, name in enumerate(GOALS):
@@ -166,26 +112,50 @@ def test_every_goal_has_a_panel_with_its_returns_and_their_line_if_there_are_som
     assert set(titles(without)) == {"too few returns for a slope"}
 
 
-def test_every_rate_of_policies_with_spreads_and_of_both_readings_is_drawn():
-    keys = product(("games", "launches"), ("physics", "oracle", "transformer"), POLICIES)
-    table = made_up(keys, "set predictor policy")
-    table = table.query("set != 'launches' or predictor != 'oracle'")
-    for axes, predictors in zip(spread_policies_figure(table).axes, (3, 2), strict=True):
-        drawn = [len(marks.lines[0].get_xdata()) for marks in axes.containers]
-        assert drawn == [predictors] * len(POLICIES)
-    predictors = ("physics_c", "amended", "oracle", "hybrid", "tae")
-    keys = product(OBSERVATIONS, HORIZONS, predictors, ("first_window", "every_tick"))
-    figure = readings_figure(made_up(keys, "observation horizons_ms predictor protocol"))
-    assert [len(axes.containers) for axes in figure.axes] == [2 * len(predictors)] * 4
-
-
 def test_the_gain_of_every_setting_is_written():
     ages = ("40", "80", "160", "320", "first window")
-    predictors = ("amended", "oracle")
-    keys = product(OBSERVATIONS, HORIZONS, ages, (0, 40, 100, 200), (0.0, 0.2), predictors)
-    names = ["observation", "horizons_ms", "every_ms", "latency_ms", "label_error", "predictor"]
-    rows = pd.DataFrame(keys, columns=names).assign(outcome="returns", difference=0.1, p_holm=0.01)
+    settings = product(("intercept", "strict"), ages, (0, 40, 100, 200), (0.0, 0.2))
+    names = ["observation", "every_ms", "latency_ms", "label_error"]
+    rows = pd.DataFrame(settings, columns=names).assign(outcome="returns", p_holm=0.01)
+    rows = rows.assign(horizons_ms="115-125", predictor="amended", difference=0.1)
     rows.loc[rows["every_ms"] == "320", "difference"] = -0.2
-    panels = mechanism_figure(rows).axes[: len(predictors) * 4]
-    for axes in panels:
+    for axes in mechanism_figure(rows).axes[:4]:
         assert sorted(text.get_text() for text in axes.texts) == ["+10"] * 16 + ["-20"] * 4
+
+
+def test_lines_are_the_numbers_of_their_row_and_the_band_is_the_interval():
+    frame = forecast_errors()
+    panels = forecast_error_figure(frame).axes[::3]  # of the first quantity, position
+    rows_of = frame.query("predictor == 'physics_c' and quantity == 'position'").groupby("bounce")
+    statistics = [("all", "mean"), ("all", "std"), ("with", "mean"), ("without", "mean")]
+    for axes, (window, number) in zip(panels, statistics, strict=True):
+        drawn = [line.get_ydata() for line in axes.lines if line.get_color() == "#0f7fc4"]
+        np.testing.assert_array_equal(drawn, [rows_of.get_group(window)[number]])
+        assert list(axes.lines[0].get_xdata()) == list(range(100, 301, 5))
+    corners = panels[0].collections[0].get_paths()[0].vertices
+    heights = corners[corners[:, 0] == 300, 1]
+    last = rows_of.get_group("all").iloc[-1]
+    assert (heights.min(), heights.max()) == pytest.approx((last["ci_low"], last["ci_high"]))
+
+
+def test_what_a_set_has_not_gets_no_panel_and_what_some_windows_have_not_an_empty_one():
+    frame = forecast_errors()
+    some = frame.query("quantity != 'spin' and bounce != 'with'")
+    assert [len(axes.lines) > 0 for axes in forecast_error_figure(some).axes] == [True] * 6
+    fewer = frame.query("quantity != 'spin' or bounce != 'with'")
+    panel = forecast_error_figure(fewer).axes[8]  # spin, with a bounce
+    assert [text.get_text() for text in panel.texts] == ["n = 0"]
+
+
+@pytest.mark.parametrize("drawn", [["transformer", "physics_c"], ["tae", "gru_tae"]])
+def test_coverage_and_size_are_of_the_main_predictors_where_a_set_has_them(drawn):
+    keys = product(sorted({*drawn, "tae"}), (0.5, 0.9), (100, 125, 130, 150))
+    rows = pd.DataFrame(keys, columns=["predictor", "level", "horizon_ms"])
+    rows["coverage"], rows["size_mm"] = np.linspace(0.4, 0.9, len(rows)), 20.0 + rows.index
+    panels = coverage_figure(rows).axes
+    for level, above, below in zip((0.5, 0.9), panels[:2], panels[2:], strict=True):
+        own = rows[(rows["level"] == level) & (rows["horizon_ms"] != 130)]
+        for axes, column, unit in ((above, "coverage", 100), (below, "size_mm", 1)):
+            lines = [line.get_ydata().tolist() for line in axes.lines if len(line.get_xdata()) == 3]
+            expected = [unit * own[own["predictor"] == name][column] for name in drawn]
+            assert sorted(lines) == sorted(one.tolist() for one in expected)

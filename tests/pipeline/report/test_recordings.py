@@ -8,19 +8,11 @@ from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCIT
 from rallygap.pipeline.report.ingest import (
     launch_distributions,
     launches_figure,
-    measured_balls_figure,
 )
 from rallygap.pipeline.report.segment import LARGEST_ERROR, contact_scores_figure
 from rallygap.pipeline.sources.launches import QUANTITIES, measured_launches, simulated_launches
 
 STATE_COLUMNS = [*POSITION_COLUMNS, *VELOCITY_COLUMNS, *SPIN_COLUMNS]
-
-
-def test_a_source_is_drawn_from_the_side_and_from_above():
-    balls = pd.DataFrame([[0.1, 1.0, 0.3], [0.2, -1.0, 0.4]], columns=POSITION_COLUMNS)
-    side, above = (axes.lines[1].get_xydata() for axes in measured_balls_figure({"": balls}).axes)
-    assert side.tolist() == [[1.0, 0.3], [-1.0, 0.4]]
-    assert above.tolist() == [[1.0, 0.1], [-1.0, 0.2]]
 
 
 def launches(**values):
@@ -29,10 +21,11 @@ def launches(**values):
     return pd.DataFrame([{"launch_id": "robot/rallies/1", **state}])
 
 
-def made_up(stroke, random, **shifts):
+def made_up(stroke, **shifts):
     """Launches of some groups, their quantities normally distributed about a shift."""
     means = np.repeat(list(shifts.values()), 400)[:, None]
-    table = pd.DataFrame(random.normal(means, 1.0, (len(means), 5)), columns=list(QUANTITIES))
+    values = np.random.default_rng(0).normal(means, 1.0, (len(means), 5))
+    table = pd.DataFrame(values, columns=list(QUANTITIES))
     return table.assign(group=np.repeat(list(shifts), 400), stroke=stroke)
 
 
@@ -64,8 +57,7 @@ def test_a_quantity_is_what_its_name_says(state, quantity, value):
 
 
 def test_quantiles_and_distance_are_those_of_the_distributions():
-    random = np.random.default_rng(0)
-    drawn = made_up("rally", random, measured=0.0, amateur=0.0, club=0.0, pro=10.0)
+    drawn = made_up("rally", measured=0.0, amateur=0.0, club=0.0, pro=10.0)
     speed = launch_distributions(drawn).set_index(["quantity", "group"]).loc["speed (m/s)"]
     assert speed.loc["pro", "50%"] == pytest.approx(10.0, abs=0.2)
     assert speed.loc["pro", "95%"] == pytest.approx(10 + 1.645, abs=0.3)
@@ -76,8 +68,7 @@ def test_quantiles_and_distance_are_those_of_the_distributions():
 
 
 def test_strokes_are_compared_with_those_of_their_kind_and_a_kind_without_any_has_no_panels():
-    random = np.random.default_rng(0)
-    serves, rallies = made_up("serve", random, club=0.0), made_up("rally", random, measured=0.0)
+    serves, rallies = made_up("serve", club=0.0), made_up("rally", measured=0.0)
     distances = launch_distributions(pd.concat([serves, rallies]))["distance to measured"]
     assert distances.isna().all()
     assert len(launches_figure(serves).axes) == len(QUANTITIES)

@@ -9,8 +9,7 @@ import pytest
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.state import BALL_MASS, BALL_RADIUS
 from rallygap.models.engines.engine import EngineError, check_deterministic
-from rallygap.models.engines.mujoco.scene import MujocoScene
-from tests.models.engines.mujoco.scenes import CONTACT, SHELL, TABLE, air, ball, compiled, scene
+from tests.models.engines.mujoco.scenes import CONTACT, SHELL, TABLE, air, scene
 
 FLIGHT = np.linspace(0.0, 0.6, 97)  # most of them between time steps
 AIR = 'density="1.2"'
@@ -152,9 +151,3 @@ def test_a_simulation_that_diverges_or_begins_without_numbers_names_the_ball(tmp
         one.fly(fast, FLIGHT)
     assert list(tmp_path.iterdir()) == []  # no log of MuJoCo's
     assert mujoco.get_mju_user_warning() is None
-
-
-def test_without_a_table_the_world_is_the_table_frame():
-    one = MujocoScene.of("sky", compiled(ball()))
-    assert not one.frame.found
-    np.testing.assert_array_equal(one.fly(BALLS, np.zeros(1))[:, 0], BALLS)

@@ -130,7 +130,6 @@ def test_the_air_slows_spin_as_noted():
         ("no table", {"table": ""}),
         ("not 2.74", {"table": LEVEL.replace("1.37", "1.35")}),
         ("nothing pushes", {"rest": '<option><flag contact="disable"/></option>'}),
-        ("a simulator takes", {"geom": f"{SHELL} {FRICTIONLESS} {air(2.0)}"}),
         ("a simulator takes", {"option": f'{PLAIN} gravity="0 0 9.81"', "table": ""}),
     ],
 )

@@ -1,5 +1,7 @@
 """Amended scenes come with what the verification shows; all files are written, or none."""
 
+from dataclasses import replace
+
 import pytest
 from typer.testing import CliRunner
 
@@ -13,8 +15,10 @@ from rallygap.pipeline.engines.export.scene.verification import (
     scene_sentences,
 )
 from rallygap.pipeline.engines.load import load_scene
+from rallygap.pipeline.gap.diagnose_folder import diagnose_folder, handed_over, write_findings
 from rallygap.pipeline.runtime.errors import InputError
-from tests.pipeline.engines.export.scenes import POST, SCENE, amended, changed, does, file_of
+from tests.pipeline.engines.export.scenes import SCENE, amended, changed, does, file_of
+from tests.pipeline.verdicts import findings
 
 LIST = """gravity: {g: 9.81}
 # drag.cd: 0.3 before; estimated 0.47 from lab (95 % 0.46 to 0.48); verdict named
@@ -78,6 +82,8 @@ def test_a_scene_of_the_user_is_never_replaced(tmp_path):
     for scene in (str(path), str(tmp_path / "other.xml")):
         with pytest.raises(InputError, match=r"has a scene\.xml of yours"):
             check_place(scene, tmp_path)
+    with pytest.raises(InputError, match=r"has a scene\.xml of yours"):
+        diagnose_folder(tmp_path, "csv", str(path), 0.003, tmp_path)
     path.write_text("<!-- rallygap: amended -->" + SCENE)
     check_place(str(tmp_path / "other.xml"), tmp_path)
     with pytest.raises(InputError, match="of yours"):
@@ -114,31 +120,15 @@ def test_a_ball_whose_inertia_is_written_stays_solid_and_that_is_said(tmp_path):
     assert not_stated(found, found.after)[0].startswith("The ball is no shell")
 
 
-def amended_of(folder, text, changes):
-    file = file_of(folder, text)
-    after = changed(file, changes)
-    code = ball_effects(after, "list", [], "mujoco")
-    return amended_scene(str(file.path), does(file), after, code, [])
-
-
 def test_a_scene_that_cannot_be_amended_leaves_verified_code(tmp_path):
     flags = '<option><flag spring="disable" damper="disable"/></option><worldbody>'
-    found = amended_of(tmp_path, SCENE.replace("<worldbody>", flags), {"drag": {"cd": 0.47}})
+    file = file_of(tmp_path, SCENE.replace("<worldbody>", flags))
+    after = changed(file, {"drag": {"cd": 0.47}})
+    code = ball_effects(after, "list", [], "mujoco")
+    found = amended_scene(str(file.path), does(file), after, code, [])
     assert found.text is None and "passive forces" in str(found.problem)
     assert found.sentences[0] == f"There is no amended scene.xml: {found.problem}."
     assert found.sentences[1].startswith("ball_effects.py: 40 shots differ")
-
-
-def test_what_the_written_scene_has_not_is_said(tmp_path):
-    (tmp_path / "rest.xml").write_text('<mujoco><option density="1.2"/></mujoco>')
-    (tmp_path / "post.obj").write_text(POST)
-    head = '<include file="rest.xml"/><asset><mesh file="post.obj"/></asset><worldbody>'
-    text = SCENE.replace("<worldbody>", head).replace('"0.001"', '"0.005"')
-    found = amended_of(tmp_path, text, {"gravity": {"g": 9.8}})
-    own = "scene.xml belongs into the folder of lab.xml: its paths are relative to it."
-    assert any(sentence.startswith("MuJoCo writes scene.xml") for sentence in found.sentences)
-    assert own in found.sentences
-    assert "All bodies" not in " ".join(found.sentences)
 
 
 def test_without_a_table_flights_alone_are_compared(tmp_path):
@@ -150,3 +140,20 @@ def test_without_a_table_flights_alone_are_compared(tmp_path):
     bouncing = found.after.amended("table_bounce", restitution=0.9, friction=0.2)
     *_, last = scene_sentences(found.scene, bouncing, shots, "scene.xml")
     assert last == "scene.xml has no contact of ball and table, so bounces are not compared."
+
+
+def test_a_verdict_gives_a_scene_and_code_back_with_their_verification(tmp_path):
+    origin = "wind.x: missing before; estimated 0.61 m/s from lab (95 % 0.59 to 0.63)"
+    source = file_of(tmp_path, SCENE)
+    found = replace(findings(simulator_name=str(source.path)), simulator=does(source))
+    handed = handed_over(found)
+    assert origin in handed.text and origin in handed.code
+    assert handed.sentences[0] == "Changed attributes of lab.xml: wind."
+    found = replace(found, handed=handed)
+    assert found.details[-len(handed.sentences) :] == list(handed.sentences)
+    out = tmp_path / "out"
+    write_findings(found, out)
+    assert load_scene(str(out / "scene.xml")).model.opt.wind == pytest.approx((0, -0.61, 0))
+    assert "200 shots differ from the list by at most" in (out / "report.html").read_text()
+    write_findings(replace(found, simulator_name="sim.yaml", handed=None), out)
+    assert not (out / "scene.xml").exists() and not (out / "ball_effects.py").exists()
