@@ -1,12 +1,15 @@
-"""Copies of this repository, for pipelines that run beside it and for faults that strike them."""
+"""Copies of this repository, to run pipelines in and to inject faults into."""
 
 import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
+import yaml
+
+from rallygap.pipeline.params import read_yaml
+from rallygap.pipeline.profiles import merged
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.git import git
 
@@ -27,19 +30,28 @@ IDENTITY = {
 
 def cloned(folder: Path) -> Path:
     """Make a repository with all that git knows of this one, without any result, and commit."""
-    copy_known(ROOT, folder, lambda name: name.startswith("reports/") and not name.startswith(KEPT))
+    copy_sources(ROOT, folder)
     run(folder, "git", "init", "--quiet")
     commit(folder, "start")
     return folder
 
 
-def copy_known(root: Path, folder: Path, left_out: Callable[[str], bool]) -> None:
-    """Copy the files that git knows of a repository, as they are, without dvc.lock.
+def small_clone(folder: Path) -> Path:
+    """Make such a repository with the parameters of the profile `smoke`."""
+    cloned(folder)
+    params = read_yaml(folder / "params.yaml")
+    params = merged(params, read_yaml(folder / "experiments" / "profiles" / "smoke.yaml"))
+    (folder / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))
+    commit(folder, "small")
+    return folder
+
+
+def copy_sources(root: Path, folder: Path) -> None:
+    """Copy what git knows of a repository, as it is, without results of its pipeline.
 
     Args:
         root: the repository.
         folder: the copy; files that are there are replaced, links stay.
-        left_out: whether the file of a name is not copied.
 
     Raises:
         InputError: ``root`` is no repository.
@@ -49,8 +61,8 @@ def copy_known(root: Path, folder: Path, left_out: Callable[[str], bool]) -> Non
         raise InputError(root, "is no repository of git")
     for name in filter(None, listed.split("\0")):
         source, target = root / name, folder / name
-        there = source.is_symlink() or source.is_file()
-        if there and not name.startswith("dvc.lock") and not left_out(name):
+        result = name.startswith(("reports/", "dvc.lock")) and not name.startswith(KEPT)
+        if (source.is_symlink() or source.is_file()) and not result:
             target.parent.mkdir(parents=True, exist_ok=True)
             if not target.is_symlink():
                 shutil.copy(source, target, follow_symlinks=False)

@@ -15,11 +15,9 @@ from typing import Any
 import psutil
 import yaml
 
-from experiments.clone import ROOT, cloned, environment
+from experiments.clone import ROOT, environment, small_clone
 from rallygap.pipeline.params import read_yaml
-from rallygap.pipeline.profiles import merged
 
-PROFILE = ROOT / "experiments" / "profiles" / "smoke.yaml"
 OUTPUTS = ("artifacts", "reports")
 CACHE = Path(".dvc") / "cache" / "files" / "md5"
 STAGES = "rallygap.stages."  # modules of this package are stages
@@ -158,9 +156,7 @@ def undisturbed(folder: Path) -> Repository:
     time in the second.
     """
     repository = Repository(folder / "repository", folder / "spare", {})
-    cloned(repository.folder)
-    params = merged(read_yaml(ROOT / "params.yaml"), read_yaml(PROFILE))
-    (repository.folder / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))
+    small_clone(repository.folder)
     ended = repository.reproduce()
     assert ended.status == 0, ended.printed
     dvc = repository.start("dvc", "repro", "--force")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import yaml
 
-from experiments.clone import copy_known, environment
+from experiments.clone import copy_sources, environment
 from rallygap.pipeline.io.artifacts import write_json, write_text
 from rallygap.pipeline.profiles import profile_params
 from rallygap.pipeline.report.stages import PIPELINE
@@ -36,7 +36,7 @@ def profile(root: Path, name: str) -> None:
     """
     params = profile_params(root, name).model_dump(mode="json")
     copy = root / "scratch" / "profile" / name
-    copy_known(root, copy, lambda _: False)
+    copy_sources(root, copy)
     # Outside git, but with the same DVC cache.
     cache = (root / ".dvc" / "cache").resolve()
     settings = f"[core]\n    no_scm = true\n[cache]\n    dir = {cache}\n"

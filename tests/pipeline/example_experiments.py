@@ -1,23 +1,10 @@
 """A repository with a committed run and an experiment to compare it with."""
 
 import pytest
-import yaml
 
-from experiments.clone import cloned, commit, run
-from rallygap.pipeline.params import read_yaml
-from rallygap.pipeline.profiles import merged
+from experiments.clone import commit, run, small_clone
 
 TARGET, CHANGED = "train_predictor", "segment.outlier_cost"
-
-
-def small_clone(folder):
-    """Make a repository with the smallest parameters."""
-    cloned(folder)
-    params = read_yaml(folder / "params.yaml")
-    params = merged(params, read_yaml(folder / "experiments" / "profiles" / "smoke.yaml"))
-    (folder / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))
-    commit(folder, "small")
-    return folder
 
 
 @pytest.fixture(scope="session")

@@ -10,9 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from experiments.clone import ROOT, environment, run
+from experiments.clone import ROOT, environment, run, small_clone
 from rallygap.pipeline.params import read_yaml
-from tests.pipeline.example_experiments import small_clone
 from tests.services import await_answer, free_port
 
 pytestmark = pytest.mark.slow

@@ -92,7 +92,7 @@ def test_an_edge_ball_leaves_along_the_line_from_the_edge(beyond):
         [0, 0.4, 0.25, 0, -6, 1, 0, 0, 0],
         [0.95, 0.4, 0.1, 0, -6, 1, 0, 0, 0],
     ],
-    ids=["behind the table", "beside the table", "over the net", "beside the net"],
+    ids=["behind the table", "next to the table", "over the net", "next to the net"],
 )
 def test_a_ball_that_passes_a_surface_touches_nothing(ball):
     assert NET_PLAY.fly(ball, TIMES[:20]).contacts.count[0] == 0

@@ -70,7 +70,7 @@ def flown(env, ball, controls):
 @pytest.mark.parametrize("base", ["own", "gymnasium"])
 def test_the_ball_flies_as_the_simulator_and_again_after_a_reset(example, base, monkeypatch):
     class Fresh(example.task.Interception):
-        """It loads its scene anew."""
+        """It loads its scene again."""
 
         def reset(self, **options):
             super().__init__()
