@@ -1,4 +1,4 @@
-"""One input put before a reader: read, refused, or a fault. Time and memory are bounded."""
+"""What is wrong with how a reader takes a file. Time and memory are bounded."""
 
 import faulthandler
 import resource
@@ -6,13 +6,10 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal
 
 from rallygap.pipeline.runtime.errors import InputError
 from tests.fuzz.hostile import SENTINEL
 from tests.fuzz.readers import Reader
-
-Outcome = Literal["refused", "in_part", "accepted", "fault"]
 
 LONGEST = 20  # s of the processor
 LONGEST_WAIT = 300  # s on the clock, after which nothing but the end of the campaign helps
@@ -26,40 +23,34 @@ class TooLong(BaseException):
     """A reader works for too long; no error, so that no reader takes it for one of its file's."""
 
 
-def outcome(reader: Reader, folder: Path, path: Path) -> tuple[Outcome, str]:
-    """Return the outcome of one reading, and its message."""
-    before = _held_from_now()
+def fault(reader: Reader, folder: Path, path: Path) -> str | None:
+    """Return what is wrong with one reading; None where the file is read, or clearly refused."""
+    Path("/proc/self/clear_refs").write_text("5")  # resets the peak
+    before = _memory("VmRSS")
     SENTINEL.unlink(missing_ok=True)
+    wrong = None
     try:
         with limited_time():
-            refused = reader.read(folder)
-        in_part = isinstance(refused, int) and refused > 0
-        error_text: tuple[Outcome, str] = ("in_part" if in_part else "accepted", "")
+            reader.read(folder)
     except InputError as error:
-        error_text = _judged(str(error), folder, path)
+        wrong = _unclear(str(error), folder, path)
     except (Exception, TooLong) as error:
-        error_text = "fault", f"{type(error).__name__}: {error}"[:MOST_SHOWN]
+        wrong = f"{type(error).__name__}: {error}"[:MOST_SHOWN]
     taken = _memory("VmHWM") - before
     if taken > LARGEST:
-        return "fault", f"took {taken // 1000} MB"
-    return ("fault", "ran code") if SENTINEL.exists() else error_text
+        return f"took {taken // 1000} MB"
+    return "ran code" if SENTINEL.exists() else wrong
 
 
-def _judged(message: str, folder: Path, path: Path) -> tuple[Outcome, str]:
+def _unclear(message: str, folder: Path, path: Path) -> str | None:
     """A refusal must name the file, or its source, and can be read."""
     names = {path.name, path.parent.name, folder.name}
     lines = message.splitlines()
     if not any(name in lines[0] for name in names):
-        return "fault", f"names no file: {message[:MOST_SHOWN]}"
+        return f"names no file: {message[:MOST_SHOWN]}"
     if max(map(len, lines)) > LONGEST_LINE:
-        return "fault", f"no line to be read: {message[:MOST_SHOWN]}"
-    return "refused", message
-
-
-def _held_from_now() -> int:
-    """The memory of this process, kB, after a reset of the counter of its peak."""
-    Path("/proc/self/clear_refs").write_text("5")
-    return _memory("VmRSS")
+        return f"no line to be read: {message[:MOST_SHOWN]}"
+    return None
 
 
 def _memory(name: str) -> int:

@@ -23,7 +23,6 @@ EXAMPLE = ROOT / "docs" / "examples" / "recordings"
 # Runs Python code where every package that the base installation lacks cannot be imported.
 BASE_ONLY = """
 import sys
-from importlib.metadata import PackageNotFoundError
 
 class Absent:
     def find_spec(self, name, path=None, target=None):
