@@ -45,7 +45,7 @@ reproduce: .venv/ready ## run the whole pipeline on simulated data
 	@rallygap check
 	@dvc repro
 
-experiments: .venv/ready ## hours: what experiments/dvc.yaml lists and is out of date; it resumes
+experiments: .venv/ready ## hours: what is out of date in experiments/dvc.yaml, and not frozen; it resumes
 	@dvc repro experiments/dvc.yaml
 
 test: .venv/ready ## the quick tests, in parallel on all cores

@@ -29,7 +29,7 @@ IDENTITY = {
 
 
 def cloned(folder: Path) -> Path:
-    """Make a repository with all that git knows of this one, without any result, and commit."""
+    """Make a repository with what git knows of this one, without results, and commit."""
     copy_sources(ROOT, folder)
     run(folder, "git", "init", "--quiet")
     commit(folder, "start")

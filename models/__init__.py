@@ -1,1 +1,1 @@
-"""The models of the world. No files, no tracking, no command line."""
+"""The models of the world. No file of a run, no tracking, no command line."""

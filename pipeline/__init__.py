@@ -1,4 +1,4 @@
-"""The experiment pipeline: stages' parameters, files, runs, results and the command line."""
+"""The pipeline: stages' parameters, files, runs, results and the command line."""
 
 from rallygap.pipeline.runtime.determinism import hold_arithmetic, is_program
 

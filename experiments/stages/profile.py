@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import typer
 import yaml
 
 from experiments.clone import copy_sources, environment
@@ -59,8 +60,13 @@ def profile(root: Path, name: str) -> None:
     shutil.copytree(copy / "artifacts" / "train_predictor", trained, dirs_exist_ok=True)
 
 
-if __name__ == "__main__":
+def main(name: str) -> None:
+    """Run the pipeline with the profile NAME."""
     try:
-        profile(Path.cwd(), sys.argv[1])
+        profile(Path.cwd(), name)
     except InputError as error:
         refuse(error)
+
+
+if __name__ == "__main__":
+    typer.run(main)

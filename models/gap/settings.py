@@ -218,7 +218,7 @@ class GapSettings:
     Attributes:
         level: probability of a false cause in a set without any gap. The penalty of a cause, the
             tolerance between alternatives, flipped labels, and the tests of causes, lift,
-            camera distortion, variations and unexplained structure follow it.
+            position-dependent camera error, variations and unexplained structure follow it.
         confidence: of intervals.
         observed_samples: first samples of a shot that a prediction observes.
         horizon_window: s about a horizon in which errors are averaged.

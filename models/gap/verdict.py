@@ -294,7 +294,7 @@ class MadeFrom(_Part):
         shots: number of shots, those held out included.
         simulator: name of the nominal simulator, or of its file.
         effects: of the nominal simulator, with their parameters.
-        settings: the level, and other settings that are not the default, by their names.
+        settings: ``level``, the probability of a false cause where there is no gap.
         version: of rallygap.
     """
 

@@ -1,1 +1,1 @@
-"""Evaluation of predictors: test windows, forecasts, errors and costs."""
+"""Evaluation of predictors: test windows, forecasts, errors and coverage."""

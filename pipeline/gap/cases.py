@@ -56,7 +56,7 @@ class Case:
         verdict = diagnose(self.shots, self.simulator, settings, nets=self.nets)
         counts = len(np.unique(self.shots.groups)), len(self.shots)
         name = self.simulator_name
-        origin = made_from(self.source, None, counts, self.simulator, name, settings)
+        origin = made_from(self.source, None, counts, self.simulator, name, self.level)
         return Diagnosed(self, verdict.model_copy(update={"made_from": origin}))
 
 

@@ -112,7 +112,7 @@ def diagnose_folder(
         with bar.phase("writing"):
             counts = measured.recordings, len(measured.shots)
             folder = data.resolve().name
-            origin = made_from(measured.name, folder, counts, nominal, simulator, settings)
+            origin = made_from(measured.name, folder, counts, nominal, simulator, level)
             limitations = (*measured.doubts, *verdict.limitations)
             verdict = verdict.model_copy(update={"limitations": limitations, "made_from": origin})
             balls = expected_balls(measured.shots, amended(nominal, verdict, minor))

@@ -1,13 +1,9 @@
 """What a verdict was made from: data, simulator, settings and version, for its file."""
 
-from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from rallygap.models.ball.simulator import Simulator
-from rallygap.models.gap.settings import DEFAULTS, GapSettings
 from rallygap.models.gap.verdict import MadeFrom
 
 
@@ -17,7 +13,7 @@ def made_from(
     counts: tuple[int, int],
     simulator: Simulator,
     simulator_name: str,
-    settings: GapSettings,
+    level: float,
 ) -> MadeFrom:
     """Return what a verdict was made from.
 
@@ -27,12 +23,9 @@ def made_from(
         counts: of recordings and of shots.
         simulator: the nominal one.
         simulator_name: a shipped one's name, or a path, of which only the file's name is kept.
-        settings: of the workflow: the level is kept, and others that are not the default, such as
-            ``fit.refit_steps``.
+        level: probability of a false cause where there is no gap.
     """
     recordings, shots = counts
-    default = _by_name(DEFAULTS)
-    changed = {name: value for name, value in _by_name(settings).items() if value != default[name]}
     return MadeFrom(
         data=data,
         folder=folder,
@@ -40,18 +33,6 @@ def made_from(
         shots=shots,
         simulator=Path(simulator_name).name,
         effects=simulator.to_dict(),
-        settings={"level": settings.level, **changed},
+        settings={"level": level},
         version=version("rallygap"),
     )
-
-
-def _by_name(settings: Any, prefix: str = "") -> dict[str, Any]:
-    """Return the values of settings by their dotted names."""
-    values: dict[str, Any] = {}
-    for field in fields(settings):
-        name, value = f"{prefix}{field.name}", getattr(settings, field.name)
-        if is_dataclass(value):
-            values |= _by_name(value, f"{name}.")
-        else:
-            values[name] = dict(value) if isinstance(value, Mapping) else value
-    return values

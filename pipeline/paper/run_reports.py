@@ -101,7 +101,6 @@ def kept_reports(folder: Path) -> Reports:
     path = folder / PARAMS
     params = read_json(path)
     if not isinstance(params, dict):
-        raise InputError(
-            path, "holds no parameters; run `python -m experiments.stages.profile` again"
-        )
+        problem = f"holds no parameters; run `python -m experiments.stages.profile {folder.name}`"
+        raise InputError(path, problem)
     return Reports(folder, dict(with_current_keys(params)), path)

@@ -1,1 +1,1 @@
-"""Training, storage and reports of policies."""
+"""Training and storage of policies."""

@@ -1,1 +1,1 @@
-"""Training, storage and reports of learned predictors."""
+"""Training, storage and model cards of learned predictors."""

@@ -8,7 +8,7 @@ loaded, so it is set before the first of them: by the command line, by the stage
 ``python -m rallygap.…``. Importing rallygap into another program sets nothing.
 
 MKL, which multiplies torch's matrices, still adds in another order on AMD's processors than on
-Intel's; ``MKL_CBWR=COMPATIBLE`` makes them alike, in 1.5 times the time (docs/decisions.md).
+Intel's; ``MKL_CBWR=COMPATIBLE`` makes them alike, in 1.7 times the time (docs/decisions.md).
 """
 
 import os

@@ -32,7 +32,7 @@ def provenance(root: Path, stage: str) -> Provenance:
     values = read_yaml(root / "params.yaml")
     inputs = {
         "command": entry["cmd"],
-        "params": {key: values[key] for key in entry["params"]},
+        "params": {key: values[key] for key in entry.get("params", [])},
         "dependencies": {path: content_hash(root / path) for path in entry["deps"]},
     }
     digest = hashlib.sha256(json.dumps(inputs, sort_keys=True).encode())

@@ -101,7 +101,7 @@ class StageRun:
         """
         path = self.root / "reports" / stage / f"{name}.csv"
         if not path.is_file():
-            raise InputError(path, f"is missing; run `python -m rallygap.stages.{stage}`")
+            raise InputError(path, f"is missing; run `python -m experiments.stages.{stage}`")
         return pd.read_csv(path)
 
     def kept(self, stage: str, name: str) -> pd.DataFrame:

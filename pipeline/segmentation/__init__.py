@@ -1,1 +1,1 @@
-"""Segmentation of recordings in files, and its report."""
+"""Segmentation of recordings in files, and its scores."""

@@ -1,1 +1,1 @@
-"""Shot quality: tables of the returns, validation of the forest, and the report."""
+"""Shot quality: tables of the returns, and validation of the forest."""

@@ -1,1 +1,1 @@
-"""Hyperparameter sweeps with Optuna: settings, study, trial, worker, report, confirm."""
+"""Hyperparameter sweeps with Optuna: settings, study, training, comparison, report, confirm."""

@@ -222,7 +222,7 @@ def _read_true_contacts(folder: Path) -> None:
 
 
 def _write_timings(folder: Path) -> Path:
-    stage = "stages: {segment: {cmd: a, deps: [params.yaml], params: [seed]}}"
+    stage = "stages: {segment: {cmd: a, deps: [params.yaml]}}"
     (folder / "dvc.yaml").write_text(stage)
     (folder / "params.yaml").write_text("seed: 1")
     present = short(provenance(folder, "segment").fingerprint)
