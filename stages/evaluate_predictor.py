@@ -6,19 +6,19 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from rallygap.models.predictors.evaluation import STATISTICS, ForecastErrors, concat_tables
+from rallygap.models.predictors.evaluation import (
+    MEASURED,
+    STATISTICS,
+    TRUTH,
+    ForecastErrors,
+    concat_tables,
+)
 from rallygap.models.predictors.protocol import Bools
 from rallygap.models.segmentation.split import recording_groups
 from rallygap.pipeline.evaluation.coverage import COLUMNS, coverage_rows
 from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet, read_sets, read_test_sets
 from rallygap.pipeline.evaluation.example_shots import write_shots
-from rallygap.pipeline.evaluation.forecasts import (
-    MEASURED,
-    TRUTH,
-    draw_shots,
-    evaluate,
-    forecast_windows,
-)
+from rallygap.pipeline.evaluation.forecasts import draw_shots, evaluate, forecast_windows
 from rallygap.pipeline.evaluation.predictors import ARENA, NamedPredictor, read_predictors
 from rallygap.pipeline.io.ground_truth import net_contacts, read_contacts, read_truth, true_windows
 from rallygap.pipeline.io.metrics import place, rounded

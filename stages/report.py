@@ -6,7 +6,7 @@ from rallygap.pipeline.evaluation.example_shots import read_shots
 from rallygap.pipeline.report.page import write_page
 from rallygap.pipeline.report.stages import PIPELINE, write_reports
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
-from rallygap.pipeline.transfer.example_returns import read_returns
+from rallygap.pipeline.transfer.shown_returns import read_returns
 
 PICTURES = (  # (stage, figure): documentation pages show a copy of it in docs/images/STAGE
     ("close_gap", "causes_arena.png"),

@@ -12,7 +12,7 @@ from rallygap.pipeline.io.artifacts import write_json, write_table
 from rallygap.pipeline.io.metrics import rounded
 from rallygap.pipeline.io.simulators import load_simulator
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
-from rallygap.pipeline.transfer.example_returns import example_returns, write_returns
+from rallygap.pipeline.transfer.example_returns import example_returns
 from rallygap.pipeline.transfer.rates import differences, rates
 from rallygap.pipeline.transfer.replay_sets import ReplaySet, read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import (
@@ -26,6 +26,7 @@ from rallygap.pipeline.transfer.replay_trials import (
     tolerance_trials,
 )
 from rallygap.pipeline.transfer.returns import BASELINE, ONCE, PHYSICS, SETTING
+from rallygap.pipeline.transfer.shown_returns import write_returns
 from rallygap.pipeline.transfer.trials import joined, run_trials
 
 FIRST_BASELINE = {"predictor": PHYSICS, "protocol": ONCE}

@@ -12,6 +12,7 @@ from rallygap.models.predictors.protocol import Bools, Floats, Forecast
 from rallygap.models.predictors.windows import Windows
 
 SHOWN_HORIZONS_MS = (100, 200, 300)
+MEASURED, TRUTH = "measured", "truth"  # what forecasts are compared with
 STATISTICS = ["mean", "median", "ci_low", "ci_high", "n"]
 
 

@@ -18,7 +18,6 @@ from rallygap.pipeline.params import EvaluatePredictorSettings
 from rallygap.pipeline.runtime.parallel import parallel
 
 BATCH = 256  # windows
-MEASURED, TRUTH = "measured", "truth"  # what forecasts are compared with
 SMALLEST = 1e-4  # m, that an error counts as at least
 
 

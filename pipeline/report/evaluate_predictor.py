@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS
-from rallygap.pipeline.evaluation.forecasts import MEASURED
+from rallygap.models.predictors.evaluation import MEASURED, SHOWN_HORIZONS_MS
 from rallygap.pipeline.io.source_manifest import SourceRecord, read_manifest
 from rallygap.pipeline.report.plots import draw_band
 from rallygap.pipeline.runtime.stage_run import StageRun

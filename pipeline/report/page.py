@@ -11,7 +11,7 @@ from rallygap.pipeline.report.paper import paper_section
 from rallygap.pipeline.report.results import results_section
 from rallygap.pipeline.report.scenes import return_scenes, shot_scenes
 from rallygap.pipeline.runtime.stage_run import StageRun
-from rallygap.pipeline.transfer.example_returns import Return
+from rallygap.pipeline.transfer.shown_returns import Return
 from rallygap.pipeline.web.environment import page_environment
 from rallygap.pipeline.web.pages import read_columns, read_figure, read_first_frame
 from rallygap.pipeline.web.report_items import Written

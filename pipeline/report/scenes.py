@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from rallygap.models.robot.constants import BASE, BLADE, JOINTS, RACKET_RADIUS
 from rallygap.pipeline.evaluation.example_shots import Forecast, Shot
 from rallygap.pipeline.report.plots import physics_colour
-from rallygap.pipeline.transfer.example_returns import Return
+from rallygap.pipeline.transfer.shown_returns import Return
 from rallygap.pipeline.web.environment import table_geometry
 
 DRAWN = ("shoulder", "elbow", "wrist_yaw")  # joints at which the drawn links meet

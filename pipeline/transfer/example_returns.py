@@ -2,12 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 import pandas as pd
-from pydantic import BaseModel, ConfigDict, Field
 
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.ball.types import Floats
@@ -17,75 +14,17 @@ from rallygap.models.policy.outcome import with_net
 from rallygap.models.policy.trial import TrialResult
 from rallygap.models.predictors.protocol import FUTURE_TIMES
 from rallygap.models.replay.replayed_balls import Histories, measurement_histories, predict_all
-from rallygap.pipeline.evaluation.example_shots import Forecast, Number
-from rallygap.pipeline.io.artifacts import read_as, write_json
 from rallygap.pipeline.policies.storage import TrainedPolicy
 from rallygap.pipeline.runtime.torch_threads import one_thread
 from rallygap.pipeline.transfer.replay_sets import ReplaySet
 from rallygap.pipeline.transfer.replay_trials import ReplayTrial
 from rallygap.pipeline.transfer.returns import EVERY_STEP, PHYSICS
+from rallygap.pipeline.transfer.shown_returns import Return, TimedForecast, Track
 from rallygap.pipeline.transfer.trials import Played
 
 EXAMPLES = 2  # per set
 BALL_STEP = 0.005  # s between two points of the ball's path
 SHOWN = slice(3, None, 4)  # of the states of a forecast: every 20 ms
-
-Joints = tuple[Number, Number, Number, Number, Number, Number]
-Track = Forecast  # times and positions; also of measurements
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-
-
-class TimedForecast(BaseModel):
-    """A forecast track, and when it was made (s from the launch)."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    at: Number
-    track: Track
-
-
-class Return(BaseModel):
-    """A shot that a policy played, returned or not; times are s from the launch.
-
-    Attributes:
-        name: of the shot: its set and its number in it.
-        predictor: whose forecasts the policy got.
-        outcome: ``returned`` or the fault.
-        horizon: the policy's middle forecast horizon, s.
-        hit: when the racket met the ball; ``None`` without a hit.
-        measured: measurements until the hit or the end of play.
-        ball: its true path, up to the racket and on from there.
-        frame: s between two poses of the arm, the first at the launch.
-        joints: (T, 6) of the arm.
-        forecasts: of each predictor, at every control step before the end.
-    """
-
-    model_config = ConfigDict(extra="forbid")
-
-    name: str
-    predictor: str
-    outcome: str
-    horizon: Positive
-    hit: Number | None
-    measured: Track
-    ball: Track
-    frame: Positive
-    joints: Annotated[list[Joints], Field(min_length=2)]
-    forecasts: dict[str, list[TimedForecast]]
-
-
-def write_returns(path: Path, returns: Sequence[Return]) -> None:
-    """Write examples as JSON."""
-    write_json(path, [example.model_dump() for example in returns])
-
-
-def read_returns(path: Path) -> list[Return]:
-    """Read what ``write_returns`` wrote.
-
-    Raises:
-        InputError: the file is missing or breaks the schema; names the example and the field.
-    """
-    return read_as(path, list[Return], "sim2real")
 
 
 @dataclass(frozen=True)

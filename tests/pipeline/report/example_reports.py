@@ -11,7 +11,7 @@ from rallygap.pipeline.evaluation.example_shots import Forecast, Shot, read_shot
 from rallygap.pipeline.io.artifacts import write_csv
 from rallygap.pipeline.paper.run_reports import Reports
 from rallygap.pipeline.report.page import render_page
-from rallygap.pipeline.transfer.example_returns import (
+from rallygap.pipeline.transfer.shown_returns import (
     Return,
     TimedForecast,
     read_returns,

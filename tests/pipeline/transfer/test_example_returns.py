@@ -8,15 +8,11 @@ from rallygap.models.ball.simulators import shipped
 from rallygap.models.policy.incoming_balls import CONTROL_STEP, FIRST_WINDOW
 from rallygap.models.predictors.physics import PhysicsPredictor
 from rallygap.models.robot.kinematics import racket
-from rallygap.pipeline.transfer.example_returns import (
-    choose,
-    example_returns,
-    read_returns,
-    write_returns,
-)
+from rallygap.pipeline.transfer.example_returns import choose, example_returns
 from rallygap.pipeline.transfer.replay_sets import read_replay_sets
 from rallygap.pipeline.transfer.replay_trials import Forecaster, replay_trials
 from rallygap.pipeline.transfer.returns import ONCE
+from rallygap.pipeline.transfer.shown_returns import read_returns, write_returns
 from tests.pipeline.replayed import LAUNCH, SETTINGS, launched, write_replays
 from tests.pipeline.trained_policies import chaser, description
 
