@@ -1,5 +1,6 @@
-"""Stored binaries: made once, never stale, wherever the home is."""
+"""Stored binaries: made once, never stale, wherever home and sources are."""
 
+import runpy
 from pathlib import Path
 
 import pytest
@@ -38,3 +39,15 @@ def test_a_folder_is_for_the_same_sources_and_what_no_file_says(source):
 def test_a_home_without_room_for_a_cache_is_left_alone(source, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(source))
     assert tmp_path not in folder([source]).parents
+
+
+def test_copies_of_a_source_share_their_binaries(source, tmp_path):
+    imports = "from rallygap.models.support.compilation import compiler"
+    code = f"{imports}\n\n@compiler([])\ndef f(x):\n    return x\n"
+    for copy, compiled in (("one", 1), ("two", 0)):
+        path = tmp_path / copy / "ball" / "flight.py"
+        path.parent.mkdir(parents=True)
+        path.write_text(code)
+        function = runpy.run_path(str(path))["f"]
+        assert function(1.5) == 1.5
+        assert len(function.stats.cache_misses) == compiled
