@@ -11,8 +11,6 @@ from experiments.stages.real_forecasts import real_forecasts
 from rallygap.models.ball.simulators import shipped
 from rallygap.models.predictors.learned import build_network
 from rallygap.models.predictors.physics import PhysicsPredictor
-from rallygap.models.predictors.spread import Spread
-from rallygap.pipeline.predictors.storage import Learning, TrainedPredictor, save_predictor
 from rallygap.pipeline.runtime.stage_run import StageRun
 from tests.models.predictors.small_training import BRIEF, TINY, TINY_HYBRID, network
 from tests.pipeline.measured_shots import SIMULATOR, params, write_trained
@@ -35,7 +33,8 @@ def stage(tmp_path, monkeypatch):
         table = pd.DataFrame(rows, columns=["t", "x", "y", "z"])
         table.to_csv(folder / f"ball_{number}.csv", index=False)
     write_trained(tmp_path, "transformer")
-    _write_hybrid(tmp_path / "artifacts" / "train_predictor" / "hybrid")
+    hybrid = build_network(TINY_HYBRID, shipped("imperfect_c_with_net"))
+    write_trained(tmp_path, "hybrid", made=hybrid, network=TINY_HYBRID)
     tuned = params().train_predictor.model_copy(update={"training": BRIEF})
     few = tuned.fine_tuning.model_copy(update={"epochs": 1, "windows_per_episode": 1})
     used = params(train_predictor=tuned.model_copy(update={"fine_tuning": few}))
@@ -43,20 +42,6 @@ def stage(tmp_path, monkeypatch):
     monkeypatch.setattr(experiments.stages.real_forecasts, "SETS", ("csv",))
     monkeypatch.setattr(experiments.stages.real_forecasts, "FOLDS", 2)
     return StageRun("real_forecasts", tmp_path, used)
-
-
-def _write_hybrid(folder):
-    made = build_network(TINY_HYBRID, shipped("imperfect_c_with_net"))
-    learning = Learning(episodes=1, windows=1, validation_episodes=1, settings=BRIEF, seed=0)
-    described = TrainedPredictor(
-        name="hybrid",
-        network=TINY_HYBRID,
-        parameters=made.parameter_count,
-        sources=["arena"],
-        starts_from=None,
-        learning=learning,
-    )
-    save_predictor(folder, made, Spread(), described)
 
 
 def test_every_recording_is_tested_once_by_every_predictor(stage):

@@ -63,9 +63,9 @@ def write_inputs(root, shots=(), sources=tuple(SPIN)):
     write_trained(root, "tiny")
 
 
-def write_trained(root, name, seed=0, **changes):
+def write_trained(root, name, seed=0, made=None, **changes):
     """Save an untrained network as if it had been trained; return where it is."""
-    made = network(TINY, seed)
+    made = made or network(TINY, seed)
     counts = {"episodes": 1, "windows": 1, "validation_episodes": 1}
     described = TrainedPredictor(
         name=name,
