@@ -121,6 +121,12 @@ def test_the_run_cache_can_restore_a_computation(name):
     assert STAGES[name]["metrics"] == [{f"reports/{name}/metrics.json": {"cache": False}}]
 
 
+def test_no_result_of_experiments_is_checked_out_from_a_cache_that_may_lack_it():
+    for stage in LONG.values():
+        for out in chain(*(stage.get(kind, []) for kind in ("outs", "metrics", "plots"))):
+            assert [settings["cache"] for settings in out.values()] == [False]
+
+
 def test_what_is_installed_has_the_exact_versions_of_the_constraints():
     lines = (ROOT / "constraints.txt").read_text().splitlines()
     pinned = dict(line.split("==") for line in lines if not line.startswith("#"))

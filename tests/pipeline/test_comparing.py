@@ -15,7 +15,7 @@ def test_an_experiment_in_a_copy_leaves_the_working_folder_alone(experiments, tm
     assert run(experiments, "git", "status", "--porcelain") == ""
     assert "up to date" in run(experiments, "dvc", "repro", TARGET)
     run(experiments, "dvc", "plots", "diff", "HEAD", "strict", "--out", str(tmp_path))
-    assert "losses.csv" in (tmp_path / "index.html").read_text()
+    assert "Validation loss" in (tmp_path / "index.html").read_text()
     changed = json.loads(run(experiments, "dvc", "params", "diff", "HEAD", "strict", "--json"))
     assert changed == {"params.yaml": {CHANGED: {"old": 16.0, "new": 4.0, "diff": -12.0}}}
 

@@ -80,15 +80,11 @@ def test_every_file_of_a_report_is_declared(reproduced):
         for stage in stages.values()
         for kind in ("outs", "metrics", "plots")
         for out in stage.get(kind, [])
-        for path in names(out)
+        for path in ([out] if isinstance(out, str) else out)
     }
     folders = [reproduced / "reports" / stage for stage in stages]
     files = [path.relative_to(reproduced) for folder in folders for path in folder.rglob("*.*")]
     assert [path for path in files if not declared & {path, *path.parents}] == []
-
-
-def names(out):
-    return [out] if isinstance(out, str) else list(out)
 
 
 def test_a_second_reproduction_does_nothing_and_a_forced_one_gives_the_same_bytes(reproduced):

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import textwrap
 import time
+from contextlib import suppress
 
 import psutil
 import pytest
@@ -59,7 +60,12 @@ def test_workers_of_a_run_that_was_killed_stop(tmp_path):
     run.wait()
     for path in checkpoints:
         FileLock(path.with_name("lock"), timeout=60).acquire()
-    assert not any(one.cpu_percent(interval=0.2) > 20 for one in workers if one.is_running())
+    wait_for(lambda: not any(busy(worker) for worker in workers))
+
+
+def busy(process):
+    with suppress(psutil.NoSuchProcess):
+        return process.cpu_percent(interval=0.2) > 20
 
 
 def wait_for(condition, longest=300):

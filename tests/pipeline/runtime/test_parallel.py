@@ -1,7 +1,6 @@
 """Where tasks run makes no difference to what they give: here, on loky, or on a cluster."""
 
 import os
-import shutil
 import signal
 import socket
 import threading
@@ -12,10 +11,11 @@ import pandas as pd
 import pytest
 from threadpoolctl import threadpool_info
 
+from experiments.clone import ROOT, copy_sources
 from rallygap.pipeline.policies.training import TrainingJob, play_test_shots, train_policies
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.parallel import CLUSTER, parallel
-from tests.cluster import ROOT, cluster
+from tests.cluster import cluster
 from tests.models.policy.schooling import BRIEF, same
 from tests.pipeline.trained_policies import description
 from tests.services import listening
@@ -101,8 +101,7 @@ def test_the_task_that_a_worker_died_of_is_done_by_another_but_a_lost_scheduler_
 def test_no_workers_and_workers_that_would_give_other_results_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("rallygap.pipeline.runtime.parallel.PATIENCE", 5)
     other = tmp_path / "other"
-    for name in ("models", "pipeline", "stages"):
-        shutil.copytree(ROOT / name, other / name)
+    copy_sources(ROOT, other)
     (other / "models" / "new.py").touch()
     for settings, problem in (
         ({"workers": 0}, "has no workers; start some"),
