@@ -1,6 +1,6 @@
 """The ball simulator: a list of named effects with their parameters."""
 
-import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -231,7 +231,7 @@ def _rows_of_table(effect: Effect, values: Mapping[str, Any]) -> list[list[float
     wanted = f"{effect.name}.{NODES}: give rows of {len(effect.table)} finite numbers: {columns}"
     try:
         rows = np.array(values.get(NODES, ()), dtype=np.float64).reshape(-1, len(effect.table))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise SimulatorError(wanted) from None
     if not np.isfinite(rows).all():
         raise SimulatorError(wanted)
@@ -247,6 +247,6 @@ def _value(effect: str, parameter: Parameter, values: Mapping[str, Any]) -> floa
         return parameter.neutral
     value = values[parameter.name]
     number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-    if not number or not math.isfinite(value) or not low <= value <= high:
+    if not number or not abs(value) <= sys.float_info.max or not low <= value <= high:
         raise SimulatorError(f"{effect}.{parameter.name} is {value!r}; give {allowed}")
     return float(value)
