@@ -31,7 +31,7 @@ def paths(listed):
 
 
 def outputs(stage):
-    return paths([*chain(*(stage.get(kind, []) for kind in ("outs", "metrics", "plots")))])
+    return [*chain(*(stage.get(kind, []) for kind in ("outs", "metrics", "plots")))]
 
 
 def covers(path, file):
@@ -106,7 +106,7 @@ def test_a_caption_a_colour_and_a_page_re_run_reports_alone(file):
 
 
 def test_every_dependency_is_there_or_is_made_by_a_stage():
-    made = {Path(path) for stage in ALL.values() for path in outputs(stage)}
+    made = {Path(path) for stage in ALL.values() for path in paths(outputs(stage))}
     made |= {folder for path in made for folder in path.parents}
     for stage in ALL.values():
         needed = [Path(path) for path in paths(stage["deps"]) if "${" not in path]
@@ -122,9 +122,8 @@ def test_the_run_cache_can_restore_a_computation(name):
 
 
 def test_no_result_of_experiments_is_checked_out_from_a_cache_that_may_lack_it():
-    for stage in LONG.values():
-        for out in chain(*(stage.get(kind, []) for kind in ("outs", "metrics", "plots"))):
-            assert [settings["cache"] for settings in out.values()] == [False]
+    for out in chain(*map(outputs, LONG.values())):
+        assert [settings["cache"] for settings in out.values()] == [False]
 
 
 def test_what_is_installed_has_the_exact_versions_of_the_constraints():

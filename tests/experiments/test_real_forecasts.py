@@ -46,8 +46,8 @@ def stage(tmp_path, monkeypatch):
 
 def test_every_recording_is_tested_once_by_every_predictor(stage):
     real_forecasts(stage)
-    errors = pd.read_csv(stage.report("errors.csv"))
-    rows = errors.query("quantity == 'position' and bounce == 'all'")
+    table = pd.read_csv(stage.report("errors.csv"))
+    rows = table.query("quantity == 'position' and bounce == 'all'")
     assert set(rows["predictor"]) == PREDICTORS
     assert rows.groupby("horizon_ms")["n"].nunique().eq(1).all()
     errors = rows.query("horizon_ms == 200").set_index("predictor")["mean"]

@@ -52,9 +52,9 @@ class Reader:
     """A reader under trial.
 
     Attributes:
-        name: of the reader.
+        name: by which its tests are called.
         write: writes what it reads into a folder and returns the file to damage.
-        read: reads it and uses what came of it.
+        read: reads it and uses what came of it; a number is of refused rows.
         hostile: files made for its format.
     """
 
@@ -64,16 +64,17 @@ class Reader:
     hostile: list[bytes]
 
 
-def _source(name: str) -> Callable[[Path], None]:
-    """Return what reads a source, all of whose rows must be kept or counted as refused."""
+def _source(name: str) -> Callable[[Path], int]:
+    """Return what reads a source and counts what was refused of it."""
 
-    def read(folder: Path) -> None:
+    def read(folder: Path) -> int:
         read = made_up.read(folder, name)
         checked(read.recordings, RECORDINGS)
         checked(read.launches, LAUNCHES)
         (record,) = read.manifest.sources.values()
         refused = sum(group.count for group in record.rows_refused.values())
         assert record.rows_read - record.rows_kept == refused
+        return refused + sum(group.count for group in record.labels_refused.values())
 
     return read
 
@@ -222,8 +223,7 @@ def _read_true_contacts(folder: Path) -> None:
 
 
 def _write_timings(folder: Path) -> Path:
-    stage = "stages: {segment: {cmd: a, deps: [params.yaml]}}"
-    (folder / "dvc.yaml").write_text(stage)
+    (folder / "dvc.yaml").write_text("stages: {segment: {cmd: a, deps: [params.yaml]}}")
     (folder / "params.yaml").write_text("seed: 1")
     present = short(provenance(folder, "segment").fingerprint)
     path = folder / "timings" / "segment" / f"{present}.json"

@@ -69,7 +69,9 @@ def test_no_hostile_file_is_a_fault(reader, tmp_path):
 @pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
 def test_the_file_itself_is_read_and_no_damage_is_a_fault(reader, tmp_path, examples):
     path = reader.write(tmp_path)
-    reader.read(tmp_path)
+    assert fault(reader, tmp_path, path) is None
+    refused = reader.read(tmp_path)
+    assert not (isinstance(refused, int) and refused)
     whole = path.read_bytes()
 
     @given(content=damaged(whole))

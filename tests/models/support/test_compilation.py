@@ -42,8 +42,7 @@ def test_a_home_without_room_for_a_cache_is_left_alone(source, tmp_path, monkeyp
 
 
 def test_copies_of_a_source_share_their_binaries(source, tmp_path):
-    imports = "from rallygap.models.support.compilation import compiler"
-    code = f"{imports}\n\n@compiler([])\ndef f(x):\n    return x\n"
+    code = "import rallygap.models.support.compilation as c\n@c.compiler([])\ndef f(x): return x"
     for copy, compiled in (("one", 1), ("two", 0)):
         path = tmp_path / copy / "ball" / "flight.py"
         path.parent.mkdir(parents=True)

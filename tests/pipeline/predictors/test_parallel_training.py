@@ -60,7 +60,7 @@ def test_workers_of_a_run_that_was_killed_stop(tmp_path):
     run.wait()
     for path in checkpoints:
         FileLock(path.with_name("lock"), timeout=60).acquire()
-    wait_for(lambda: not any(busy(worker) for worker in workers))
+    wait_for(lambda: not any(busy(worker) for worker in workers), longest=10)
 
 
 def busy(process):

@@ -74,7 +74,7 @@ def test_an_address_without_a_scheduler_is_one_error(monkeypatch, address):
 def test_a_cluster_on_loopback_does_all_tasks_though_workers_are_killed(tmp_path, on_cluster):
     for process in (on_cluster.scheduler, *on_cluster.workers):
         assert listening(process.pid) == {"127.0.0.1"}
-    with pytest.raises(ZeroDivisionError):
+    with pytest.raises(ZeroDivisionError, match="by zero"):
         list(parallel([threads, partial(divmod, 1, 0)]))
     assert list(parallel([threads])) == [{1}]
     found = parallel(tasks(tmp_path))
