@@ -3,7 +3,8 @@ SHELL := /bin/bash
 PYTHON ?= python3.11
 # A further index to take torch from. On Linux, pip's default brings several gigabytes of CUDA
 # libraries, so without a GPU of NVIDIA it is the one with CPU builds. Where it cannot be reached,
-# pip takes what other indices have. Empty: those alone.
+# pip takes what other indices have, after ten seconds of retries a package; so it is asked for torch
+# alone. Empty: no further index.
 TORCH_INDEX ?= $(if $(filter Linux,$(shell uname)),$(if $(shell command -v nvidia-smi),,https://download.pytorch.org/whl/cpu))
 # The folder with the measured sets (spindoe, tt3d, ...), for experiments and the tests marked `real`.
 DATA ?= $(RALLYGAP_DATA)
@@ -37,7 +38,7 @@ WITH_TORCH_INDEX = $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX))
 	@.venv/bin/python -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' || \
 	  { echo "make: .venv is not of Python 3.11, which the pipeline needs; move it away" >&2; exit 1; }
 	$(PIP) pip
-	$(PIP) $(WITH_TORCH_INDEX) torch
+	$(PIP) --no-deps $(WITH_TORCH_INDEX) torch
 	$(PIP) --build-constraint constraints.txt --editable '.[pipeline,dev,docs]'
 	@touch $@
 
