@@ -209,8 +209,7 @@ def sweep(
         str, typer.Argument(help="a file in experiments/profiles/sweeps, such as quick")
     ],
     study: Annotated[
-        str | None,
-        typer.Option(envvar="RALLYGAP_STUDY", help="URL of a database; default: a file"),
+        str | None, typer.Option(envvar="RALLYGAP_STUDY", help="URL of a database; default: a file")
     ] = None,
     trials: Annotated[
         int | None, typer.Option(min=1, help="total, with those of earlier runs")

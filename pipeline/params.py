@@ -10,6 +10,7 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
+    PositiveInt,
     StringConstraints,
     ValidationError,
     model_validator,
@@ -240,6 +241,7 @@ class Params(Settings):
     """The content of params.yaml."""
 
     seed: Annotated[int, Field(ge=0, lt=2**32)]
+    cores: PositiveInt | None = None
     ingest: IngestSettings
     segment: SegmentSettings
     score_segmentation: ScoringSettings

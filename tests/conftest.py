@@ -10,11 +10,7 @@ import pytest
 hypothesis.settings.register_profile("rallygap", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("rallygap")
 
-pytest_plugins = [
-    "tests.browser",
-    "tests.pipeline.example_experiments",
-    "tests.services",
-]
+pytest_plugins = ["tests.browser", "tests.pipeline.example_experiments", "tests.services"]
 
 
 @pytest.fixture(scope="session")

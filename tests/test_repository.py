@@ -65,7 +65,7 @@ def test_a_stage_has_one_name_for_script_parameters_and_report():
     folders = (ROOT / "stages", ROOT / "experiments" / "stages")
     scripts = {path.stem for folder in folders for path in folder.glob("*.py")} - {"__init__"}
     assert set(ALL) - scripts == {"benchmarks", "sweep"}
-    assert set(STAGES) == (set(Params.model_fields) - {"seed", "exam"})
+    assert set(STAGES) == (set(Params.model_fields) - {"seed", "cores", "exam"})
     assert set(PIPELINE) == set(STAGES) - REPORTS
     assert set(EXPERIMENTS) <= set(LONG)
     for name in scripts:

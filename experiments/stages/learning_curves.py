@@ -10,13 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.learning_curves import (
-    Errors,
-    Learner,
-    Subset,
-    curve_rows,
-    subsets,
-)
+from experiments.learning_curves import Errors, Learner, Subset, curve_rows, subsets
 from experiments.resumed import amended_simulators
 from rallygap.models.predictors.errors import HORIZONS_MS, error_norms
 from rallygap.models.predictors.evaluation import SHOWN_HORIZONS_MS

@@ -43,10 +43,7 @@ SETS, FOLDS = ("spindoe", "tt3d", "isr_ball_prediction"), 5
 NOMINAL, AMENDED = "literature", "amended"
 NETWORKS = "artifacts/train_predictor"
 Predictors = Mapping[str, ProbabilisticPredictor]  # by name
-ENSEMBLES = {
-    "transformer_ensemble": (TRANSFORMER, OTHER),
-    "hybrid_ensemble": (HYBRID, TRANSFORMER),
-}
+ENSEMBLES = {"transformer_ensemble": (TRANSFORMER, OTHER), "hybrid_ensemble": (HYBRID, TRANSFORMER)}
 COMPARED = (HYBRID, "hybrid_ensemble")  # with all others, window by window
 
 

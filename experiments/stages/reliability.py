@@ -37,10 +37,7 @@ def reliability(run: StageRun) -> None:
         ]
         faults = [suffer(repository, fault) for fault in progress(FAULTS, "faults", len(FAULTS))]
     run.publish(
-        {
-            "kills": pd.DataFrame(map(asdict, kills)),
-            "faults": pd.DataFrame(map(asdict, faults)),
-        }
+        {"kills": pd.DataFrame(map(asdict, kills)), "faults": pd.DataFrame(map(asdict, faults))}
     )
 
 

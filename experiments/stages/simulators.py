@@ -17,13 +17,7 @@ from experiments.exam.interface import shots_of
 from experiments.exam.simulate.recordings import simulate_trial
 from experiments.exam.simulate.trial import Trial
 from experiments.resumed import json_results
-from experiments.simulators import (
-    PUBLISHED,
-    TRUTH,
-    HiddenScene,
-    larger_spins,
-    scenes,
-)
+from experiments.simulators import PUBLISHED, TRUTH, HiddenScene, larger_spins, scenes
 from rallygap.models.audit.launches import launches
 from rallygap.models.audit.traps import traps
 from rallygap.models.ball.state import POSITION

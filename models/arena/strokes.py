@@ -148,11 +148,7 @@ def _above_net(air: Simulator, launches: Floats, times: Floats) -> Floats:
 
 
 def execute_strokes(
-    launches: Floats,
-    balls: Floats,
-    stretch: Floats,
-    players: Players,
-    random: np.random.Generator,
+    launches: Floats, balls: Floats, stretch: Floats, players: Players, random: np.random.Generator
 ) -> Floats:
     """Return (B, 9) launches with execution errors.
 

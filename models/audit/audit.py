@@ -191,10 +191,7 @@ def _unexplained(flown: Flown, simulator: Simulator) -> Unexplained:
 
 
 def _selected(
-    flown: Flown,
-    simulator: Simulator,
-    always: Sequence[Hypothesis],
-    candidates: list[Hypothesis],
+    flown: Flown, simulator: Simulator, always: Sequence[Hypothesis], candidates: list[Hypothesis]
 ) -> tuple[Simulator, list[Hypothesis]]:
     """Return the simulator with the values that the engine has, and the candidates that matter.
 

@@ -140,12 +140,7 @@ def score(metric: Metric, wins: Bools, probabilities: Floats) -> float:
 
 
 def bootstrap_score(
-    metric: Metric,
-    wins: Bools,
-    probabilities: Floats,
-    matches: Integers,
-    resamples: int,
-    seed: int,
+    metric: Metric, wins: Bools, probabilities: Floats, matches: Integers, resamples: int, seed: int
 ) -> Estimate:
     """Return a score, and its values on resamples of the matches.
 

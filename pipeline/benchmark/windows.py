@@ -15,12 +15,7 @@ from rallygap.models.predictors.protocol import HISTORY, HISTORY_TIMES
 from rallygap.pipeline.evaluation.evaluation_windows import MeasuredSet, read_test_sets
 from rallygap.pipeline.io.artifacts import write_table, write_text
 from rallygap.pipeline.io.markdown import markdown_page
-from rallygap.pipeline.io.schemas import (
-    POSITION_COLUMNS,
-    SPIN_COLUMNS,
-    VELOCITY_COLUMNS,
-    checked,
-)
+from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS, checked
 from rallygap.pipeline.params import Params
 from rallygap.pipeline.runtime.errors import InputError
 

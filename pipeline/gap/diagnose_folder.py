@@ -11,12 +11,7 @@ from rallygap.models.gap.diagnose import diagnose
 from rallygap.models.gap.settings import DEFAULTS, GapSettings
 from rallygap.pipeline.engines.audited import effects_of
 from rallygap.pipeline.engines.export.code import CODE, SCENE, ball_effects
-from rallygap.pipeline.engines.export.command import (
-    check_place,
-    code_of,
-    comments_of,
-    former_scene,
-)
+from rallygap.pipeline.engines.export.command import check_place, code_of, comments_of, former_scene
 from rallygap.pipeline.engines.load import names_function, names_scene
 from rallygap.pipeline.gap.expected_balls import expected_balls, expected_json
 from rallygap.pipeline.gap.figures import (
@@ -28,12 +23,7 @@ from rallygap.pipeline.gap.figures import (
 )
 from rallygap.pipeline.gap.measured_shots import MeasuredShots, read_shots
 from rallygap.pipeline.gap.provenance import made_from
-from rallygap.pipeline.gap.summary import (
-    Findings,
-    detection_lines,
-    episodes_text,
-    usage_lines,
-)
+from rallygap.pipeline.gap.summary import Findings, detection_lines, episodes_text, usage_lines
 from rallygap.pipeline.gap.verdict_page import render_gap_page
 from rallygap.pipeline.io.artifacts import replacing_files, write_text
 from rallygap.pipeline.runtime.errors import InputError

@@ -11,15 +11,7 @@ from rallygap.models.ball.catalogue import catalogue
 from rallygap.models.ball.simulator import Simulator
 from rallygap.models.gap.hypotheses import Hypothesis
 from rallygap.models.gap.settings import GapSettings
-from rallygap.models.gap.verdict import (
-    Cause,
-    Check,
-    DetectionLimits,
-    Gap,
-    Role,
-    Variation,
-    Verdict,
-)
+from rallygap.models.gap.verdict import Cause, Check, DetectionLimits, Gap, Role, Variation, Verdict
 from rallygap.models.gap.verify.limitations import experiment
 from rallygap.models.predictors.ball_filter import Expected
 from rallygap.pipeline.gap.measured_shots import LabelCounts, MeasuredShots

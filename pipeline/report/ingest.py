@@ -12,12 +12,7 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from scipy.stats import ks_2samp
 
-from rallygap.models.ball.state import (
-    NET_HEIGHT,
-    NET_OVERHANG,
-    TABLE_HALF_LENGTH,
-    TABLE_HALF_WIDTH,
-)
+from rallygap.models.ball.state import NET_HEIGHT, NET_OVERHANG, TABLE_HALF_LENGTH, TABLE_HALF_WIDTH
 from rallygap.pipeline.io.artifacts import read_table
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, VELOCITY_COLUMNS
 from rallygap.pipeline.io.source_manifest import Manifest, SourceRecord, read_manifest

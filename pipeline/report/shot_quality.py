@@ -10,11 +10,7 @@ from matplotlib.patches import Patch
 from rallygap.pipeline.report.plots import BARS, WHISKERS, physics_colour, set_label
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.shot_quality.returns import METRICS
-from rallygap.pipeline.web.figure_style import (
-    FIGURE_WIDTH,
-    MUTED,
-    predictor_order,
-)
+from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, MUTED, predictor_order
 from rallygap.pipeline.web.labels import predictor_label
 from rallygap.pipeline.web.report_items import ReportFigure, ReportItem, ReportTable
 

@@ -25,12 +25,7 @@ from rallygap.pipeline.report.plots import (
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.transfer.rates import OUTCOMES
 from rallygap.pipeline.transfer.returns import EVERY_STEP, PHYSICS, PROTOCOLS
-from rallygap.pipeline.web.figure_style import (
-    FIGURE_WIDTH,
-    INK,
-    MUTED,
-    predictor_order,
-)
+from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, INK, MUTED, predictor_order
 from rallygap.pipeline.web.labels import predictor_label
 from rallygap.pipeline.web.report_items import ReportFigure, ReportItem, ReportTable
 

@@ -5,6 +5,7 @@ tables: ``run.keep(errors=…)``. The stage ``report`` makes the tables and figu
 from them (``pipeline.report``), so that a caption or a colour is no dependency of a computation.
 """
 
+import os
 import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -131,6 +132,8 @@ def run_stage(stage: Callable[[StageRun], None]) -> None:
     """
     try:
         params = load_params(Path("params.yaml"))
+        if params.cores:
+            os.environ["LOKY_MAX_CPU_COUNT"] = str(params.cores)  # joblib's
         origin = provenance(Path.cwd(), stage.__name__)
         run = StageRun(stage.__name__, Path.cwd(), params, origin.fingerprint)
         own = params.model_dump(mode="json", include={"seed", run.stage})

@@ -10,13 +10,7 @@ from rallygap.models.segmentation.scoring import SCORED_KINDS, Scored, score
 from rallygap.models.segmentation.settings import ScoringSettings
 from rallygap.models.segmentation.split import recording_groups
 from rallygap.pipeline.io.artifacts import read_table
-from rallygap.pipeline.io.schemas import (
-    CONTACTS,
-    EPISODES,
-    RECORDINGS,
-    check_columns,
-    read_checked,
-)
+from rallygap.pipeline.io.schemas import CONTACTS, EPISODES, RECORDINGS, check_columns, read_checked
 
 ALL = "all"
 COLUMNS = ["kind", "level", "contacts", "precision", "recall", "time error rms (ms)"]

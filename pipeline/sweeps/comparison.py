@@ -19,11 +19,7 @@ def repeat_seed(seed: int, repeat: int) -> int:
 
 
 def comparison(
-    measures: Sequence[str],
-    smaller_is_better: bool,
-    results: Floats,
-    groups: NDArray,
-    seed: int,
+    measures: Sequence[str], smaller_is_better: bool, results: Floats, groups: NDArray, seed: int
 ) -> pd.DataFrame:
     """Compare the results of S seeds on the same N shots or windows, with both parameter sets.
 

@@ -24,12 +24,7 @@ from rallygap.pipeline.runtime.paths import repository_root
 from rallygap.pipeline.runtime.provenance import Provenance
 from rallygap.pipeline.runtime.scratch import keep_timings, scratch_kept
 from rallygap.pipeline.tracking.results import Results
-from rallygap.pipeline.tracking.values import (
-    changed_params,
-    dotted,
-    flat_metrics,
-    reported_metrics,
-)
+from rallygap.pipeline.tracking.values import changed_params, dotted, flat_metrics, reported_metrics
 
 Value = TypeVar("Value")
 

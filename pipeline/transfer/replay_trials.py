@@ -209,12 +209,7 @@ def tolerance_trials(run: StageRun, policies: Policies) -> list[Callable[[], Pla
 
 
 def _play(
-    policy: Policy,
-    trained: TrainedPolicy,
-    error: str,
-    size: float,
-    shots: int,
-    seed: Sequence[int],
+    policy: Policy, trained: TrainedPolicy, error: str, size: float, shots: int, seed: Sequence[int]
 ) -> Played:
     """Return how shots end with an error of ``perturbed``, of a size in m."""
     task, random = trained.task, np.random.default_rng(seed)

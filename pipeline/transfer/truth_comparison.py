@@ -34,10 +34,7 @@ class NamedCauses(BaseModel):
 
 
 def number_table(
-    original: Simulator,
-    amended: Simulator,
-    causes: Sequence[NamedCause],
-    truth: Simulator | None,
+    original: Simulator, amended: Simulator, causes: Sequence[NamedCause], truth: Simulator | None
 ) -> pd.DataFrame:
     """Return one row a parameter in which the simulators differ; empty where one lacks the effect.
 

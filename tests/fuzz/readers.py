@@ -261,11 +261,7 @@ READERS = [
         hostile.YAML,
         ("source csv, source.yaml", _write_described_csv, _source("csv")),
         ("params.yaml", _copied("params.yaml"), lambda folder: load_params(folder / "params.yaml")),
-        (
-            "profile",
-            _copied("params.yaml", PROFILE),
-            lambda folder: profile_flags(folder, "smoke"),
-        ),
+        ("profile", _copied("params.yaml", PROFILE), lambda folder: profile_flags(folder, "smoke")),
         ("sweep", _copied("params.yaml", SWEEP), lambda folder: Sweep(folder, "predictor")),
         (
             "best_params.yaml",

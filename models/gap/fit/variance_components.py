@@ -208,10 +208,7 @@ def _with_label_noise_and_scatter(
 
 
 def _minimised(
-    criterion: Callable[[Noise], float],
-    noise: Noise,
-    names: tuple[str, ...],
-    settings: FitSettings,
+    criterion: Callable[[Noise], float], noise: Noise, names: tuple[str, ...], settings: FitSettings
 ) -> Noise:
     """Return noise with the named sizes that minimise ``criterion`` within their bounds."""
     starts = settings.noise_starts

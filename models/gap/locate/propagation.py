@@ -62,12 +62,7 @@ def arcs(simulator: Simulator, nuisance: Floats, times: Floats) -> list[Arc]:
 
 
 def _arc(
-    simulator: Simulator,
-    start: Floats,
-    rows: Indices,
-    since: Floats,
-    end: Floats,
-    states: Floats,
+    simulator: Simulator, start: Floats, rows: Indices, since: Floats, end: Floats, states: Floats
 ) -> Arc:
     shifted = (start + np.diag(STATE_STEPS)[:, None]).reshape(-1, STATE_SIZE)
     times = np.tile(np.maximum(since, 0.0), (STATE_SIZE, 1))

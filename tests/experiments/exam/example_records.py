@@ -4,13 +4,7 @@ from functools import cache
 from pathlib import Path
 
 from experiments.exam.interface import NamedCause
-from experiments.exam.records import (
-    RECORDS,
-    AnswerRecord,
-    ExamRecord,
-    HiddenCause,
-    read_records,
-)
+from experiments.exam.records import RECORDS, AnswerRecord, ExamRecord, HiddenCause, read_records
 
 COMMITTED = Path(__file__).parents[3] / RECORDS
 

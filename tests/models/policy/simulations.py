@@ -23,11 +23,7 @@ def beside_centre(across=0.0, above=0.0):
 
 
 def passing(
-    *places,
-    velocity=(0.0, -5.0, 0.0),
-    spin=(0.0, 0.0, 0.0),
-    playable=(0.0, 0.4),
-    arrival=ARRIVAL,
+    *places, velocity=(0.0, -5.0, 0.0), spin=(0.0, 0.0, 0.0), playable=(0.0, 0.4), arrival=ARRIVAL
 ):
     """Return balls in free flight that would be at ``places`` after ``arrival`` seconds."""
     there = [np.concatenate([place, velocity, spin]) for place in places]

@@ -5,15 +5,7 @@ import pytest
 from matplotlib.colors import to_hex
 
 from rallygap.pipeline.gap import figures
-from tests.pipeline.verdicts import (
-    CAMERA,
-    CAMERA_NODES,
-    GRAVITY,
-    LOCATED,
-    MINOR,
-    WIND,
-    verdict,
-)
+from tests.pipeline.verdicts import CAMERA, CAMERA_NODES, GRAVITY, LOCATED, MINOR, WIND, verdict
 
 CAMERAS = verdict(causes=(WIND, CAMERA), camera=CAMERA_NODES)
 # Balls over one half of the table, none of them high.

@@ -9,15 +9,7 @@ from rallygap.pipeline.gap.diagnose_folder import figures_of
 from rallygap.pipeline.gap.verdict_page import render_gap_page
 from tests.pipeline.report.test_page_in_browser import DESKTOP, PHONE, open_page, requests
 from tests.pipeline.report.test_report_page import HOSTILE, Tags
-from tests.pipeline.verdicts import (
-    CAMERA,
-    CAMERA_NODES,
-    GRAVITY,
-    MINOR,
-    WIND,
-    findings,
-    verdict,
-)
+from tests.pipeline.verdicts import CAMERA, CAMERA_NODES, GRAVITY, MINOR, WIND, findings, verdict
 
 FOUND = {
     "plain": findings(),

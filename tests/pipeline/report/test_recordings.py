@@ -5,10 +5,7 @@ import pandas as pd
 import pytest
 
 from rallygap.pipeline.io.schemas import POSITION_COLUMNS, SPIN_COLUMNS, VELOCITY_COLUMNS
-from rallygap.pipeline.report.ingest import (
-    launch_distributions,
-    launches_figure,
-)
+from rallygap.pipeline.report.ingest import launch_distributions, launches_figure
 from rallygap.pipeline.report.segment import LARGEST_ERROR, contact_scores_figure
 from rallygap.pipeline.sources.launches import QUANTITIES, measured_launches, simulated_launches
 

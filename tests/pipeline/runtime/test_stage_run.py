@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from joblib import cpu_count
 
 from rallygap.pipeline.io.artifacts import replacing, write_table
 from rallygap.pipeline.runtime import stage_run as run_module
@@ -73,6 +74,14 @@ def test_a_run_leaves_artefacts_tables_and_metrics_with_the_same_bytes_each_time
     first = files(repository)
     run_stage(segment)
     assert files(repository) == first
+
+
+def test_a_stage_uses_no_more_cores_than_it_may(repository, monkeypatch):
+    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "2")
+    params = Path("params.yaml").read_text()
+    Path("params.yaml").write_text(params.replace("cores: null", "cores: 1"))
+    run_stage(segment)
+    assert cpu_count() == 1
 
 
 @pytest.mark.parametrize(

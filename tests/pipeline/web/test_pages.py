@@ -49,8 +49,7 @@ def test_first_frame_of_an_animation_stands_still(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("reader", "content"),
-    [(read_figure, b"<svg/>"), (read_first_frame, b"\x89PNG\r\n\x1a\n")],
+    ("reader", "content"), [(read_figure, b"<svg/>"), (read_first_frame, b"\x89PNG\r\n\x1a\n")]
 )
 def test_a_picture_that_is_no_png_is_refused(tmp_path, reader, content):
     (tmp_path / "a.png").write_bytes(content)

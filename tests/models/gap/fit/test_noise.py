@@ -7,12 +7,7 @@ import pytest
 from scipy.linalg import block_diag
 
 from rallygap.models.gap.fit.linearize import ballistic_nuisance, linearise
-from rallygap.models.gap.fit.noise import (
-    ANY_SPIN,
-    Noise,
-    gram_matrices,
-    white_gram,
-)
+from rallygap.models.gap.fit.noise import ANY_SPIN, Noise, gram_matrices, white_gram
 from rallygap.models.gap.hypotheses import Hypothesis
 from tests.models.gap.hidden import NOMINAL, launches, measured
 

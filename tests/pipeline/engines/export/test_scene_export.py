@@ -10,10 +10,7 @@ from rallygap.pipeline.cli import app
 from rallygap.pipeline.engines.export.code import ball_effects
 from rallygap.pipeline.engines.export.command import check_place, export_scene, former_scene
 from rallygap.pipeline.engines.export.scene.amended_scene import amended_scene, unsupported
-from rallygap.pipeline.engines.export.scene.verification import (
-    VerificationShots,
-    scene_sentences,
-)
+from rallygap.pipeline.engines.export.scene.verification import VerificationShots, scene_sentences
 from rallygap.pipeline.engines.load import load_scene
 from rallygap.pipeline.gap.diagnose_folder import diagnose_folder, handed_over, write_findings
 from rallygap.pipeline.runtime.errors import InputError
