@@ -81,6 +81,9 @@ def test_a_stage_depends_on_what_it_imports(name):
     assert script in listed
     assert sorted(file for file in imported if not any(covers(path, file) for path in code)) == []
     assert [path for path in code if not any(covers(path, file) for file in imported)] == []
+    for path in code:
+        modules = {str(file.relative_to(ROOT)) for file in (ROOT / path).rglob("[!_]*.py")}
+        assert 2 * len(modules & imported) >= len(modules), f"list the files of {path}"
 
 
 @pytest.mark.parametrize("name", sorted(set(STAGES) - REPORTS))
