@@ -184,7 +184,7 @@ def ui(
     port: Annotated[int, typer.Option(min=1, max=65535, help="on this machine only")] = 5000,
 ) -> None:
     """Serve the MLflow pages of this repository's runs, until interrupted."""
-    from rallygap.pipeline.tracking.recording import EXPERIMENT, store_uri
+    from rallygap.pipeline.tracking.runs import EXPERIMENT, store_uri
 
     require("mlflow")
     root = clone()

@@ -165,8 +165,8 @@ def test_what_it_costs():
 
 
 def test_the_papers_claims():
+    from experiments.report.paper_page import compared_runs
     from rallygap.pipeline.paper.comparison import exhibits
-    from rallygap.pipeline.paper.page import compared_runs
 
     runs = compared_runs(REPORTS.parent).values()
     words = {figure.name: [figure.assessment(run) for run in runs] for figure in exhibits()}

@@ -35,7 +35,6 @@ from rallygap.models.ball.types import Floats
 from rallygap.pipeline.report.plots import add_legend
 from rallygap.pipeline.runtime.stage_run import StageRun
 from rallygap.pipeline.web.figure_style import FIGURE_WIDTH, INK, MUTED
-from rallygap.pipeline.web.labels import method_label
 from rallygap.pipeline.web.report_items import ReportFigure, ReportItem, ReportTable
 
 Records = Sequence[ExamRecord]
@@ -53,6 +52,13 @@ COLOURS = {
     "sindy_ensemble": "#b85fa0",
     "evidence_greedy": "#b8860b",
     "identification": "#009988",
+}
+LABELS = {
+    "rallygap": "rallygap",
+    "sindy": "SINDy",
+    "sindy_ensemble": "SINDy, ensemble",
+    "evidence_greedy": "evidence, greedy",
+    "identification": "identification",
 }
 # Axis label: keys of the number of trials and of the counted ones.
 RATES = {
@@ -206,7 +212,7 @@ def _draw_solved(axes: Axes, records: Records, method: str, cells: dict[str, flo
         positions = np.array(list(shares)) * APART ** list(COLOURS).index(method)
         axes.errorbar(
             positions, middle, [middle - low, high - middle], fmt="o-", ms=3.5, lw=1.4,
-            elinewidth=0.8, color=COLOURS[method], label=method_label(method),
+            elinewidth=0.8, color=COLOURS[method], label=LABELS[method],
         )  # fmt: skip
 
 
@@ -235,7 +241,7 @@ def _draw_rates(axes: Axes, numbers: dict[str, Any], shift: float, method: str) 
     style: dict[str, Any] = {"color": COLOURS[method], "ms": 4}
     if numbers["removable_closed"] is not None:
         axes.plot(len(RATES) + shift, 100 * max(numbers["removable_closed"], 0.0), "o", **style)
-    axes.plot([], [], "o", label=method_label(method), **style)
+    axes.plot([], [], "o", label=LABELS[method], **style)
     for place, (trials, counted) in enumerate(RATES.values()):
         if numbers[trials]:
             share = 100 * numbers[counted] / numbers[trials]

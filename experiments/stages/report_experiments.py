@@ -1,6 +1,8 @@
-"""Write figures and tables of the experiments, and reports/experiments.html."""
+"""Write figures and tables of the experiments, reports/experiments.html and docs/paper.md."""
 
 from experiments.report import exam, forecasts, policies
+from experiments.report.paper_page import paper_page
+from rallygap.pipeline.io.artifacts import write_text
 from rallygap.pipeline.report.page import write_page
 from rallygap.pipeline.report.stages import Reports, write_reports
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
@@ -17,12 +19,13 @@ EXPERIMENTS: Reports = {
 
 
 def report_experiments(run: StageRun) -> None:
-    """Write what is drawn from the experiments' tables, and one page with all of it.
+    """Write what follows from the experiments' tables, and the comparison of runs with the paper.
 
     Raises:
         InputError: if an experiment has not run, or a file of it is broken.
     """
     write_page(run, "experiments.html", write_reports(run, EXPERIMENTS), [], [])
+    write_text(run.root / "docs" / "paper.md", paper_page(run.root))
 
 
 if __name__ == "__main__":

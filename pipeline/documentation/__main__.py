@@ -6,13 +6,11 @@ from pathlib import Path
 from rallygap.pipeline.documentation.code_pages import catalogue_page, command_page
 from rallygap.pipeline.documentation.tables import pages, with_tables
 from rallygap.pipeline.io.artifacts import write_text
-from rallygap.pipeline.paper.page import paper_page
 from rallygap.pipeline.runtime.paths import repository_root
 
 PAGES: dict[str, Callable[[Path], str]] = {  # generated whole
     "docs/command-line.md": command_page,
     "docs/effects.md": catalogue_page,
-    "docs/paper.md": paper_page,
 }
 
 

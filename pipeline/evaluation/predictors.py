@@ -16,7 +16,7 @@ from rallygap.pipeline.predictors.storage import DESCRIPTION, load_predictor, re
 from rallygap.pipeline.runtime.errors import InputError
 
 ORACLE, ARENA = "oracle", "arena"
-OF_KIND: dict[str, Callable[[Simulator], PhysicsPredictor]] = {
+PHYSICS_BY_KIND: dict[str, Callable[[Simulator], PhysicsPredictor]] = {
     "physics": PhysicsPredictor,
     "filterpy_ekf": FilterpyPredictor,
 }
@@ -70,7 +70,7 @@ def read_predictors(artifacts: Path, settings: EvaluatePredictorSettings) -> lis
 
 def _physics(settings: EvaluatePredictorSettings) -> Iterator[NamedPredictor]:
     for name, described in settings.predictors.items():
-        predictor = OF_KIND[described.kind](load_simulator(described.simulator))
+        predictor = PHYSICS_BY_KIND[described.kind](load_simulator(described.simulator))
         yield NamedPredictor(name, predictor, described.kind, simulator=described.simulator)
 
 

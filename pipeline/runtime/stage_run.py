@@ -18,8 +18,8 @@ from rallygap.pipeline.params import Params, load_params
 from rallygap.pipeline.runtime.console import refuse
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.provenance import content_hash, provenance, short
-from rallygap.pipeline.tracking.recording import recorded
 from rallygap.pipeline.tracking.results import InputData, Results, TrainedModel
+from rallygap.pipeline.tracking.runs import tracked_stage
 
 KEPT = "report"  # folder among a stage's artefacts
 
@@ -137,7 +137,7 @@ def run_stage(stage: Callable[[StageRun], None]) -> None:
         origin = provenance(Path.cwd(), stage.__name__)
         run = StageRun(stage.__name__, Path.cwd(), params, origin.fingerprint)
         own = params.model_dump(mode="json", include={"seed", run.stage})
-        with recorded(run.stage, origin, own, run.results):
+        with tracked_stage(run.stage, origin, own, run.results):
             run.clear()
             try:
                 stage(run)

@@ -33,14 +33,14 @@ from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.git import git_commit
 from rallygap.pipeline.sweeps.report import write_report
 from rallygap.pipeline.sweeps.settings import PredictorSweep, Sweep, Train
-from rallygap.pipeline.tracking.recording import (
+from rallygap.pipeline.tracking.results import Results
+from rallygap.pipeline.tracking.runs import (
     ParentRun,
     RunStart,
     process_lives,
-    recording,
     this_process,
+    tracked_run,
 )
-from rallygap.pipeline.tracking.results import Results
 
 HEARTBEAT = 10  # s between heartbeats of a trial in a database
 GRACE = 60  # s without a heartbeat after which a trial counts as lost
@@ -125,7 +125,7 @@ def run_trial(sweep: Sweep, train: Train, trial: optuna.Trial) -> float:
         raise TrialPruned(str(error)) from None
     start = _run_start(sweep, trial, params)
     metric = settings.score.replace(" ", "_")
-    with recording(start, lambda: Results({metric: scores})), TemporaryDirectory() as checkpoints:
+    with tracked_run(start, lambda: Results({metric: scores})), TemporaryDirectory() as checkpoints:
         try:
             result: float | TrialPruned = train(params, Path(checkpoints), report)
         except TrialPruned as pruned:  # for MLflow the run is finished

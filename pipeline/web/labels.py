@@ -35,12 +35,6 @@ SIMULATORS = {
     "without_magnus": "simulator C without lift",
     "from_literature": "literature",
 }
-METHODS = {
-    "sindy": "SINDy",
-    "sindy_ensemble": "SINDy, ensemble",
-    "evidence_greedy": "evidence, greedy",
-    "identification": "identification",
-}
 KIND_NAMES = {"wrong_value": "wrong value", "missing_effect": "missing effect"}
 PLACES: dict[Phase, str] = {
     "flight": "in flight",
@@ -57,8 +51,3 @@ def predictor_label(name: str) -> str:
 def simulator_label(name: str) -> str:
     """Return what a simulator is called in a figure."""
     return SIMULATORS.get(name, name.replace("_", " "))
-
-
-def method_label(name: str) -> str:
-    """Return what a method of the exam is called in a figure."""
-    return METHODS.get(name, name.replace("_", " "))

@@ -8,8 +8,8 @@ import pytest
 from experiments.clone import ROOT, run
 from rallygap.pipeline import cli
 from rallygap.pipeline.runtime.provenance import Provenance
-from rallygap.pipeline.tracking.recording import recorded, stage_start, without_secrets
 from rallygap.pipeline.tracking.results import Results
+from rallygap.pipeline.tracking.runs import stage_start, tracked_stage, without_secrets
 from tests.services import free_port
 
 ORIGIN = Provenance("python -m rallygap.stages.segment", "f" * 64)
@@ -35,7 +35,7 @@ def test_the_warning_about_a_store_that_fails_is_without_its_password(
     monkeypatch, home, capfd, store
 ):
     monkeypatch.setenv("MLFLOW_TRACKING_URI", store)
-    with recorded("segment", ORIGIN, {"seed": 1}, Results):
+    with tracked_stage("segment", ORIGIN, {"seed": 1}, Results):
         pass
     output = "".join(capfd.readouterr())
     assert "MLflow has no complete record of segment" in output

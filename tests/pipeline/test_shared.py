@@ -7,8 +7,8 @@ import pytest
 from mlflow import MlflowClient
 
 from rallygap.pipeline.runtime.provenance import Provenance
-from rallygap.pipeline.tracking.recording import recorded
 from rallygap.pipeline.tracking.results import Results
+from rallygap.pipeline.tracking.runs import tracked_stage
 from tests.pipeline.runs import served
 from tests.services import listening
 
@@ -38,7 +38,7 @@ def test_runs_and_figures_are_kept_by_a_server_on_postgresql(postgres_url, tmp_p
     with tracking_server(postgres_url, store) as (url, process):
         monkeypatch.setenv("MLFLOW_TRACKING_URI", url)
         origin = Provenance("python -m rallygap.stages.segment", "f" * 64)
-        with recorded("segment", origin, {"seed": 1}, lambda: results):
+        with tracked_stage("segment", origin, {"seed": 1}, lambda: results):
             pass
         assert listening(process.pid) == {"127.0.0.1"}
     assert [path.read_bytes() for path in store.rglob("cuts.png")] == [b"drawn"]

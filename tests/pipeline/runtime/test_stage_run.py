@@ -17,7 +17,7 @@ from rallygap.pipeline.runtime import stage_run as run_module
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.runtime.provenance import provenance
 from rallygap.pipeline.runtime.stage_run import StageRun, run_stage
-from rallygap.pipeline.tracking import recording as tracking
+from rallygap.pipeline.tracking import runs as tracking
 
 ROOT = Path(__file__).parents[3]
 
@@ -39,7 +39,7 @@ def repository(tmp_path, monkeypatch):
     (tmp_path / "code").mkdir()
     (tmp_path / "code" / "a.py").write_text("1")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(run_module, "recorded", lambda *_: nullcontext())
+    monkeypatch.setattr(run_module, "tracked_stage", lambda *_: nullcontext())
     return tmp_path
 
 
@@ -150,7 +150,7 @@ segment_at_length.__name__ = "segment"
 def test_a_failed_run_leaves_its_scratch_to_the_next_and_timings_are_in_no_output(
     repository, monkeypatch
 ):
-    monkeypatch.setattr(run_module, "recorded", tracking.recorded)
+    monkeypatch.setattr(run_module, "tracked_stage", tracking.tracked_stage)
     monkeypatch.setattr(tracking, "attempt", lambda *_: None)
     for _ in range(2):
         with pytest.raises(RuntimeError, match="early"):

@@ -13,7 +13,7 @@ from rallygap.pipeline.profiles import merged
 from rallygap.pipeline.sweeps import study as trials
 from rallygap.pipeline.sweeps.report import write_report
 from rallygap.pipeline.sweeps.settings import Sweep
-from rallygap.pipeline.tracking import recording as tracking
+from rallygap.pipeline.tracking import runs as tracking
 from tests.pipeline.runs import runs, store
 from tests.pipeline.sweeps.small_sweeps import HEADS, RATE, ROOT, run, small_sweep, valley
 
@@ -74,7 +74,7 @@ def test_trials_are_nested_mlflow_runs_and_a_failed_one_does_not_fail_the_parent
     tmp_path, monkeypatch, empty_store
 ):
     shutil.copy(empty_store, tmp_path)
-    monkeypatch.setattr(trials, "recording", tracking.recording)
+    monkeypatch.setattr(trials, "tracked_run", tracking.tracked_run)
     monkeypatch.setenv("DVC_ROOT", str(tmp_path))
     monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
     sweep = small_sweep(tmp_path, space={RATE: [0.0625, 0.02]})

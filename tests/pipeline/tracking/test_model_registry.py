@@ -10,8 +10,8 @@ import torch
 
 from rallygap.pipeline.runtime.provenance import Provenance
 from rallygap.pipeline.tracking.model_registry import register_model
-from rallygap.pipeline.tracking.recording import recorded
 from rallygap.pipeline.tracking.results import Results, TrainedModel
+from rallygap.pipeline.tracking.runs import tracked_stage
 from rallygap.pipeline.tracking.served_model import ServedPredictor
 from tests.models.predictors.small_training import network
 from tests.pipeline.measured_shots import write_trained
@@ -73,7 +73,7 @@ def test_a_stage_registers_its_policies_without_a_word(tmp_path, monkeypatch, ca
         for rate in (0.7, 0.5)
     ]
     origin = Provenance("train", "f" * 64)
-    with recorded("train_policy", origin, {}, lambda: Results({}, models=models)):
+    with tracked_stage("train_policy", origin, {}, lambda: Results({}, models=models)):
         pass
     assert capfd.readouterr() == ("", "")
     assert version_of(mlflow.MlflowClient(), "champion", name) == "1"

@@ -10,15 +10,15 @@ from rallygap.pipeline.paper.run_reports import Reports, kept_reports, laptop_re
 from rallygap.pipeline.paper.values import NOTHING
 
 LAPTOP, PAPER, SHOTS = "laptop", "paper", "shots"  # runs
-OF_POLICIES = {"train_policy", "sim2sim", "sim2real", "shot_quality"}  # stages
+POLICY_STAGES = {"train_policy", "sim2sim", "sim2real", "shot_quality"}  # stages
 PREAMBLE = """# Comparison with the paper
 
 *Bridging the sim2real gap in the table tennis robot with a transformer-based ball states predictor*
 (Bi, Conti, Yang, Sigrist, Dürr, Takahashi; Sony AI): each figure, table and printed number, our
-number, the stage that produces it, and an assessment. Generated from `pipeline/paper` and the
-reports (`make docs`); `reports/index.html` shows the same with drawings.
+number, the stage that produces it, and an assessment. The stage `report_experiments` writes this
+page; `reports/index.html` shows the same of the last run, with drawings.
 
-- *laptop* is the last run (`reports/`). *paper* is the run with the paper's number of shots
+- *laptop* is the run in `reports/`. *paper* is the run with the paper's number of shots
   (`reports/paper/`; `params.json` has its parameters).
 - *shots* (`reports/shots/`) has predictors with the settings of *laptop*, and policies that are
   asked for speed and topspin, 3 trainings of each. It is shown for policies only.
@@ -45,7 +45,7 @@ def paper_page(root: Path) -> str:
     meanings = [[f"*{word}*", meaning] for word, meaning in MEANINGS.items()]
     parts = [PREAMBLE, _section("Assessments", "", ["assessment", "meaning"], meanings)]
     parts += [_exhibits(runs), *(_group(group, findings) for group in groups())]
-    return "\n".join(parts).rstrip()
+    return "\n".join(parts).rstrip() + "\n"
 
 
 def compared_runs(root: Path) -> dict[str, Reports]:
@@ -56,7 +56,7 @@ def compared_runs(root: Path) -> dict[str, Reports]:
 
 def _is_shown(name: str, stages: Iterable[str]) -> bool:
     """Return whether a run is shown for numbers of some stages."""
-    return name != SHOTS or not OF_POLICIES.isdisjoint(stages)
+    return name != SHOTS or not POLICY_STAGES.isdisjoint(stages)
 
 
 def _exhibits(runs: Mapping[str, Reports]) -> str:

@@ -64,21 +64,21 @@ class RunStart:
 
 
 @contextmanager
-def recorded(
+def tracked_stage(
     stage: str, origin: Provenance, params: dict[str, Any], results: Callable[[], Results]
 ) -> Iterator[None]:
     """Guard and record the stage of this block, and keep its scratch folder and its timings.
 
     ``results`` is called when the stage has ended, well or badly.
     """
-    with guarded(stage), recording(stage_start(stage, origin, params), results):
+    with guarded(stage), tracked_run(stage_start(stage, origin, params), results):
         with scratch_kept(stage, origin.fingerprint):
             yield
         keep_timings(stage, origin.fingerprint, results().metrics.get("timings", {}))
 
 
 @contextmanager
-def recording(start: RunStart, results: Callable[[], Results]) -> Iterator[None]:
+def tracked_run(start: RunStart, results: Callable[[], Results]) -> Iterator[None]:
     """Record what is done in this block, and how it ends; ``results`` is called when it has."""
     parent = attempt(start.name, lambda: _open(start))
     status = "FAILED"

@@ -16,10 +16,10 @@ import pytest
 from rallygap.pipeline.io.artifacts import write_json
 from rallygap.pipeline.predictors.trainer import train
 from rallygap.pipeline.runtime.provenance import Provenance
-from rallygap.pipeline.tracking import recording
+from rallygap.pipeline.tracking import runs as tracking
 from rallygap.pipeline.tracking.live import LiveRun, live_run
-from rallygap.pipeline.tracking.recording import recorded
 from rallygap.pipeline.tracking.results import InputData, Results
+from rallygap.pipeline.tracking.runs import tracked_stage
 from tests.models.predictors.small_training import BRIEF, small_training
 from tests.pipeline.runs import runs
 
@@ -48,7 +48,7 @@ def store(new_store, empty_store):
 @pytest.fixture
 def below_dvc(monkeypatch):
     """As if one DVC process started all stages of the test."""
-    monkeypatch.setattr(recording, "reproduction", lambda: "7-1")
+    monkeypatch.setattr(tracking, "reproduction", lambda: "7-1")
 
 
 def all_runs(store):
@@ -60,7 +60,7 @@ def statuses(store):
 
 
 def record(stage="segment", results=Results):
-    with recorded(stage, ORIGIN, {"seed": 1, "segment": {"gap": 0.1}}, results):
+    with tracked_stage(stage, ORIGIN, {"seed": 1, "segment": {"gap": 0.1}}, results):
         pass
 
 
@@ -86,7 +86,7 @@ def test_a_stage_leaves_its_parameters_metrics_inputs_figures_and_tags(store, tm
 
 def test_losses_and_learning_rates_arrive_while_a_network_trains(store, tmp_path, capfd):
     training, data = small_training()
-    with recorded("train_predictor", ORIGIN, {}, Results):
+    with tracked_stage("train_predictor", ORIGIN, {}, Results):
         train(training, data, tmp_path / "checkpoints", live=live_run("small"))
         assert statuses(store) == {"train_predictor": "RUNNING"}
         metrics = all_runs(store)["train_predictor"].data.metrics
@@ -117,7 +117,7 @@ def test_stages_of_one_reproduction_share_a_parent_with_the_metrics_of_all(
     ("stop", "status"), [(ZeroDivisionError, "FAILED"), (SystemExit, "KILLED")]
 )
 def test_a_stage_that_does_not_end_well_ends_its_reproduction(store, below_dvc, stop, status):
-    with pytest.raises(stop), recorded("ingest", ORIGIN, {}, Results):
+    with pytest.raises(stop), tracked_stage("ingest", ORIGIN, {}, Results):
         if stop is SystemExit:
             signal.raise_signal(signal.SIGTERM)
         raise stop
@@ -127,8 +127,8 @@ def test_a_stage_that_does_not_end_well_ends_its_reproduction(store, below_dvc, 
 def test_the_run_of_a_killed_stage_is_closed_by_the_next_one(store, monkeypatch):
     child = os.fork()
     if child == 0:
-        monkeypatch.setattr(recording, "reproduction", lambda: "7-1")
-        with recorded("ingest", ORIGIN, {}, Results):
+        monkeypatch.setattr(tracking, "reproduction", lambda: "7-1")
+        with tracked_stage("ingest", ORIGIN, {}, Results):
             os.kill(os.getpid(), signal.SIGKILL)
     _, status = os.waitpid(child, 0)
     assert os.WTERMSIG(status) == signal.SIGKILL
@@ -181,7 +181,7 @@ def test_a_locked_store_costs_a_warning(store, capfd):
 
 
 def test_a_store_that_goes_while_a_stage_works_costs_a_warning(store, capfd):
-    with recorded("segment", ORIGIN, {}, Results):
+    with tracked_stage("segment", ORIGIN, {}, Results):
         shutil.rmtree(store.parent)
         live_run("small").log({"validation": 0.5}, 1)
     only_warning(capfd)
