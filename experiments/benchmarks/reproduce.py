@@ -1,7 +1,7 @@
 """Duration of `make reproduce` on a clean clone, and the committed files that it changes.
 
 Clones the last commit, makes an environment there and runs all stages. Writes
-``reports/costs/reproduce.csv`` and ``reproduce.json``. Half an hour; run nothing else meanwhile.
+``reports/costs/reproduce.csv`` and ``reproduce.json``. Up to an hour; run nothing else meanwhile.
 """
 
 import os
