@@ -9,4 +9,4 @@ from rallygap.pipeline.sweeps import study
 
 @pytest.fixture(autouse=True)
 def unrecorded(monkeypatch):
-    monkeypatch.setattr(study, "recording", lambda *_: nullcontext())
+    monkeypatch.setattr(study, "tracked_run", lambda *_: nullcontext())
