@@ -13,6 +13,7 @@ import pytest
 from experiments.stages.report_experiments import EXPERIMENTS
 from rallygap.pipeline.params import Params, read_yaml
 from rallygap.pipeline.report.stages import PIPELINE
+from tests.stage_files import outputs, paths
 
 ROOT = Path(__file__).parents[1]
 STAGES = read_yaml(ROOT / "dvc.yaml")["stages"]
@@ -23,15 +24,6 @@ REPORTS = {"report", "report_experiments"}
 NO_RESULTS = ("rallygap.pipeline.params", "rallygap.pipeline.runtime", "rallygap.pipeline.tracking")
 CODE = ("experiments", "models", "pipeline")
 PRESENTATION = {"pipeline/report", "pipeline/web", "docs"}
-
-
-def paths(listed):
-    """The paths of dependencies or outputs, with and without settings."""
-    return [one if isinstance(one, str) else next(iter(one)) for one in listed]
-
-
-def outputs(stage):
-    return [*chain(*(stage.get(kind, []) for kind in ("outs", "metrics", "plots")))]
 
 
 def covers(path, file):

@@ -23,6 +23,7 @@ from rallygap.pipeline.predictors.storage import load_predictor
 from rallygap.pipeline.profiles import merged
 from tests.pipeline.runs import runs, store
 from tests.services import listening
+from tests.stage_files import outputs, paths
 
 pytestmark = pytest.mark.slow
 
@@ -75,13 +76,7 @@ def digests(folder):
 
 def test_every_file_of_a_report_is_declared(reproduced):
     stages = read_yaml(reproduced / "dvc.yaml")["stages"]
-    declared = {
-        Path(path)
-        for stage in stages.values()
-        for kind in ("outs", "metrics", "plots")
-        for out in stage.get(kind, [])
-        for path in ([out] if isinstance(out, str) else out)
-    }
+    declared = {Path(path) for stage in stages.values() for path in paths(outputs(stage))}
     folders = [reproduced / "reports" / stage for stage in stages]
     files = [path.relative_to(reproduced) for folder in folders for path in folder.rglob("*.*")]
     assert [path for path in files if not declared & {path, *path.parents}] == []

@@ -2,7 +2,7 @@
 
 import json
 import re
-from itertools import chain, product
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -12,6 +12,7 @@ from rallygap.pipeline.documentation.__main__ import PAGES, written_pages
 from rallygap.pipeline.documentation.tables import pages, with_tables
 from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.runtime.errors import InputError
+from tests.stage_files import outputs, paths
 
 ROOT = Path(__file__).parents[3]
 ERRORS = """predictor,horizon_ms,mean,low,high
@@ -112,14 +113,12 @@ def shown_results():
                 yield f"reports/{image.parts[2]}/figures/{image.name}"
 
 
-def outputs(pipeline):
+def written(pipeline):
     """The files and folders that the stages of a pipeline write, those of a matrix one by one."""
     for stage in read_yaml(pipeline)["stages"].values():
-        listed = chain(*(stage.get(kind, []) for kind in ("outs", "metrics", "plots")))
-        paths = [one if isinstance(one, str) else next(iter(one)) for one in listed]
         matrix = stage.get("matrix", {})
         for values in product(*matrix.values()):
-            for path in paths:
+            for path in paths(outputs(stage)):
                 for key, value in zip(matrix, values, strict=True):
                     path = path.replace(f"${{item.{key}}}", value)
                 yield path
@@ -127,7 +126,7 @@ def outputs(pipeline):
 
 def test_every_result_that_a_page_shows_is_in_git_and_an_output_of_a_stage():
     tracked = set(run(ROOT, "git", "ls-files").split())
-    made = {*outputs(ROOT / "dvc.yaml"), *outputs(ROOT / "experiments" / "dvc.yaml")}
+    made = {*written(ROOT / "dvc.yaml"), *written(ROOT / "experiments" / "dvc.yaml")}
     assert {"reports/shots", "docs/paper.md"} <= made
     for shown in map(Path, shown_results()):
         copy = f"docs/images/{shown.parts[1]}/{shown.name}"

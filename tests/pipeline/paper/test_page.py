@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from experiments.report.paper_page import paper_page
 from rallygap.models.predictors.errors import HORIZONS_MS
 from rallygap.models.predictors.normaliser import INPUTS, OUTPUTS
 from rallygap.models.predictors.protocol import FUTURE, HISTORY, TICK
@@ -17,6 +18,7 @@ from rallygap.pipeline.params import read_yaml
 from rallygap.pipeline.profiles import profile_params
 from rallygap.pipeline.runtime.errors import InputError
 from rallygap.pipeline.sweeps.settings import nested
+from tests.stage_files import outputs, paths
 
 ROOT = Path(__file__).parents[3]
 VALUES = printed_values()
@@ -34,13 +36,15 @@ def test_the_page_has_the_files_of_every_figure_and_table_with_an_assessment():
     found = compare(laptop_reports(ROOT)).values()
     assert {one.assessment for one in found} <= set(MEANINGS)
     report = read_yaml(ROOT / "dvc.yaml")["stages"]["report"]
-    outs = [*report["outs"], *report["plots"]]
-    names = [out if isinstance(out, str) else next(iter(out)) for out in outs]
-    made = {name.removeprefix("reports/") for name in names}
+    made = {path.removeprefix("reports/") for path in paths(outputs(report))}
     files = {file for one in exhibits() if one.claims for file in one.ours.split(", ")}
     assert {file for file in files if not {file, str(Path(file).parent)} & made} <= STAGES
     tables = [ROOT / "reports/paper" / file for file in files if file.endswith(".csv")]
     assert [path.name for path in tables if not path.is_file()] == []
+
+
+def test_the_committed_page_follows_from_the_committed_reports():
+    assert (ROOT / "docs" / "paper.md").read_text("utf-8") == paper_page(ROOT)
 
 
 def test_settings_that_no_parameter_changes_are_those_of_the_network():
